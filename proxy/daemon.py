@@ -258,21 +258,16 @@ class Daemon:
             why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
             switch=self._ordered,
             profile=profiler.start,
-            specs=self._described_specs,
+            specs=lambda: _described(self._live.runtime.specs),
         )
         opening.callback(control.close)
         recording = RecordingControl(sides.app, self.robot, executor, self._loop.order, self.recording)
         opening.callback(recording.close)
 
-    def _described_specs(self) -> dict[str, Any]:
-        """The specs in force, with the text of their files by name."""
-        specs = self._live.runtime.specs
-        return {"generation": specs.generation, "files": dict(specs.texts)}
-
     def _serve_fleet(self, sides: Sides, presence: Presence, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""
         loop, core = self._loop, self._loop.core
-        token = self._token()
+        token = _secret(self._config)
         executor = SerialExecutor("fleet", TUNING.orders)
         opening.callback(executor.close, TUNING.stop_wait)
         fleet = Fleet(
@@ -292,12 +287,18 @@ class Daemon:
         )
         opening.callback(fleet.close)
 
-    def _token(self) -> str:
-        """The token with which orders are to be proved, if any. Raises ConfigError."""
-        try:
-            return self._config.fleet.secret
-        except ValueError as error:  # its file has changed since the configuration was read
-            raise ConfigError((f"fleet.token_file: {error}",)) from None
+
+def _described(specs: Specs) -> dict[str, Any]:
+    """Return specs with the text of their files by name."""
+    return {"generation": specs.generation, "files": dict(specs.texts)}
+
+
+def _secret(config: Config) -> str:
+    """Return the token with which orders are to be proved, if any. Raises ConfigError."""
+    try:
+        return config.fleet.secret
+    except ValueError as error:  # its file has changed since the configuration was read
+        raise ConfigError((f"fleet.token_file: {error}",)) from None
 
 
 def _scouting_group(config: Config) -> str:

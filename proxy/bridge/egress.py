@@ -85,7 +85,7 @@ class Egress:
             self._thread.join(timeout)
 
     def forward(self, number: int, held: Held) -> None:
-        """Send a decided sample as soon as the pace allows, by one thread at a time. It keeps the place that it has."""
+        """Send a decided sample as soon as the pace allows, by one thread at a time. It has its place since it came."""
         if self._goes_at_once(held):
             self._send_decided(number, held)
         elif not self._enqueue(lambda: self._decided.put(number, held, self._on_air(held))):

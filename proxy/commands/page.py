@@ -46,6 +46,34 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
+    _add_sources(parser)
+    parser.add_argument(
+        "--listen",
+        metavar="HOST:PORT",
+        type=_listen,
+        default=LISTEN,
+        help="serve the page here; who reaches it can watch (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--name",
+        metavar="HOST",
+        action="append",
+        default=[],
+        help="a name of this machine by which browsers may ask; addresses and localhost always may",
+    )
+    parser.add_argument(
+        "--interval",
+        metavar="SECONDS",
+        type=interval,
+        default=0.5,
+        help="how often daemons are asked (default: %(default)g)",
+    )
+    add_token_flag(parser)
+    parser.set_defaults(run=run)
+
+
+def _add_sources(parser: argparse.ArgumentParser) -> None:
+    """Let an operator say through whom to look, and at what."""
     parser.add_argument(
         "--config", metavar="FILE", type=Path, help="run a daemon with this configuration, too, and look through it"
     )
@@ -70,29 +98,6 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
         default=[],
         help="see these keys; may be given several times (default: all that the specs in force cover)",
     )
-    parser.add_argument(
-        "--listen",
-        metavar="HOST:PORT",
-        type=_listen,
-        default=LISTEN,
-        help="serve the page here; who reaches it can watch (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--name",
-        metavar="HOST",
-        action="append",
-        default=[],
-        help="a name of this machine by which browsers may ask; addresses and localhost always may",
-    )
-    parser.add_argument(
-        "--interval",
-        metavar="SECONDS",
-        type=interval,
-        default=0.5,
-        help="how often daemons are asked (default: %(default)g)",
-    )
-    add_token_flag(parser)
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -33,8 +33,6 @@ from proxy.core.view.view import SharedView
 from proxy.core.why import stream_decisions
 from utility_specs import Specs
 
-LONGEST_SLEEP = 1.0
-"""Time passes this often at least [s]."""
 TIDIED_EVERY = 0.1
 """What is too old is forgotten this often at most [s]."""
 NOTED = frozenset({ev.SampleHanded, ev.SampleHeard, ev.DigestHeard, ev.MalformedHeard, ev.VersionHeard})
@@ -111,7 +109,7 @@ class Core:
             fast.conclude()
             commands = [*commands, *self._advance(now)]
             self._retention.follow(now, commands)
-            self._wakes_at = self._due_at(now)
+            self._wakes_at = parts.due_at(now)
         elif kind in PASSING:
             return commands
         self._look_whether_samples_pass(event)
@@ -187,7 +185,7 @@ class Core:
 
     def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
         """Return who takes in which event."""
-        samples, news = self._samples, self.news
+        samples, news, gate = self._samples, self.news, self._parts.gate
         members = Membership(self._parts, self._limits, news, self._retention)
         changes = Changes(self._parts, self._limits, self._retention)
         return {
@@ -198,10 +196,10 @@ class Core:
             ev.SampleRefused: samples.refused,
             ev.CopyHanded: samples.copy_handed,
             ev.CopyRefused: samples.copy_refused,
-            ev.DecisionReady: samples.ready,
-            ev.DecisionLate: samples.late,
+            ev.DecisionReady: gate.ready,
+            ev.DecisionLate: lambda late: gate.overdue(late.now, late.ticket),
             ev.SampleHeard: news.sample,
-            ev.DigestHeard: news.digest,
+            ev.DigestHeard: lambda heard: news.hear(heard.now, heard.digest, heard.size),
             ev.StateHeard: news.state,
             ev.MalformedHeard: news.malformed,
             ev.VersionHeard: news.version,
@@ -241,9 +239,3 @@ class Core:
         self._parts.view.sweep(now)
         commands = self._limits.leave_out_mismatched(now)
         return [*commands, *self._retention.sweep(now), *self._samples.unplanned.look(now)]
-
-    def _due_at(self, now: float) -> float:
-        """When something is to be done that no event brings about [s]."""
-        parts = self._parts
-        due = min(parts.gossip.due_at(now), parts.gate.wakes_at, parts.coordination.due_at(now), now + LONGEST_SLEEP)
-        return max(min(due, parts.channel.capacity.wakes_at(now)), now)

@@ -17,6 +17,9 @@ from proxy.core.view.view import SharedView
 from proxy.core.window.window import WindowBuilder
 from utility_specs import Specs
 
+LONGEST_SLEEP = 1.0
+"""Time passes this often at least [s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Parts:
@@ -53,3 +56,8 @@ class Parts:
             gate=Gate(view, budget, counts, kept.copies, WindowBuilder(view, now)),
             gossip=Gossip(now, view, coordination, budget, channel),
         )
+
+    def due_at(self, now: float) -> float:
+        """When something is to be done that no event brings about [s]."""
+        due = min(self.gossip.due_at(now), self.gate.wakes_at, self.coordination.due_at(now), now + LONGEST_SLEEP)
+        return max(min(due, self.channel.capacity.wakes_at(now)), now)

@@ -1,6 +1,6 @@
 """Flies the surveillance mission of the paper (§4.3) and writes `studies/results/surveillance.md` and its pictures.
 
-What was flown is kept in `build/surveillance`; called again it goes on from there. All takes about a quarter of an hour
+What was flown is kept in `build/surveillance`; called again it goes on from there. All takes 12 to 14 minutes
 on an idle machine; `--most` limits one call. The delays under a tenth of a core need root, and are left out without.
 """
 

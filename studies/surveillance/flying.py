@@ -37,6 +37,11 @@ class Mission:
         """When the screens are photographed [s]."""
         return moment(schedule(SEED, self.robots, SECONDS), SECONDS)
 
+    @property
+    def ways(self) -> tuple[str, ...]:
+        """How it is flown: frames are dropped at random where a quarter of what is offered fits."""
+        return WAYS if self.rate == EACH * self.robots / 4 else tuple(way for way in WAYS if way != RANDOM)
+
     def folder(self, store: Path, way: str) -> Path:
         """Return where the run of one way is kept."""
         return store / f"{self.robots}-robots-{self.rate:.0f}" / way
@@ -71,7 +76,7 @@ def fly(store: Path, missions: Sequence[Mission], most: float, tell: Callable[[s
     """Fly what is not kept yet, for about `most` seconds; return whether all is kept."""
     deadline = time.monotonic() + most
     for mission in missions:
-        for way in WAYS:
+        for way in mission.ways:
             folder = mission.folder(store, way)
             if (folder / "events").exists():
                 continue

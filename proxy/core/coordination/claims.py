@@ -18,6 +18,12 @@ whose news took 8 ms, three sent at one moment now and then (1.3 to 1.4 limits),
 limit with 1,028 kB sent; now 0.4 %, by 1 %, with 1,046 kB. Who sent last counts until all can know of it, though its
 own claim is small then: of ten robots with equal messages two sent at one moment in 3.2 to 6.4 % of the windows, and in
 1.0 to 1.9 % now.
+
+All this holds for as long as others count a sample as one that may have been sent. Who gave way until after that, be it
+to one whose news it lacked, gives way to worse claims, too, for these do not wait for it any more. Of eight robots with
+cameras and small samples two sent at one moment in 4.1 % of the windows, and do so in 0.5 (20 ms, unicast, four seeds),
+with 0.1 % less utility and 6 % fewer bytes; ten robots with equal messages that broadcast had 8.5 % of the windows over
+the limit where 30 % of all was lost, and have 4.2 (three).
 """
 
 import math
@@ -87,6 +93,8 @@ def rivals(
     """
     ours, news = claim(now, stream), news_take(view)
     claims = _claims(now, view, disputes, stream, limits)
+    if _is_late(now, view, disputes, stream, grew=grew, leads=all(theirs < ours for theirs, _ in claims)):
+        ours = -math.inf, ""
     better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
     last = max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
@@ -109,6 +117,17 @@ def rivals(
             use = use_of(round(size), view.subscribers.copies(each), limits, own=False)
             taken, until = both(taken, [part * amount for amount in use]), min(until, ends)
     return taken, until
+
+
+def _is_late(now: float, view: SharedView, disputes: Disputes, stream: Stream, *, grew: float, leads: bool) -> bool:
+    """Whether others take it for known by now what became of the newest sample of a stream of ours.
+
+    Where it `leads` they leave it the room that `grew` last.
+    """
+    since = stream.newest.t_gen
+    if leads and since < grew < since + disputes.patience(stream):
+        since = grew + opening(view) + view.staleness.delay
+    return _waits(stream) and now > since + news_take(view) + _spread(now, stream)
 
 
 def _due(now: float, stream: Stream, news: float) -> float:

@@ -126,7 +126,7 @@ class Coordination:
         """These robots take part, and we."""
         self.team.set_members(members)
         self.looks_at = now
-        self._introduce(now)
+        _introduce(now, self._split, self.team)
 
     def set_limits(self, now: float, limits: Sequence[Limit]) -> None:
         """The constraints are now these."""
@@ -145,8 +145,9 @@ class Coordination:
                 settled_at=max(now, self._settled_at),
                 kind=b"%d" % kind[1],
                 version=version,
+                twice=self._settings.digests_on_air,
             )
-            self._introduce(now)
+            _introduce(now, self._split, self.team)
 
     def advance(
         self,
@@ -232,8 +233,9 @@ class Coordination:
             return self.looks_at if self._overbooks else math.inf
         return min(self.looks_at, split.due_at(now))
 
-    def _introduce(self, now: float) -> None:
-        """Let the split know who takes part."""
-        if self._split is not None:
-            self._split.set_members(now, self.team.members)
-            self._split.set_quiet(now, quiet=self.team.large)
+
+def _introduce(now: float, split: Split | None, team: Team) -> None:
+    """Let the split know who takes part."""
+    if split is not None:
+        split.set_members(now, team.members)
+        split.set_quiet(now, quiet=team.large)

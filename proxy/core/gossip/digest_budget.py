@@ -196,10 +196,6 @@ class DigestBudget:
         self._own -= cost
         self._turn = (self._turn + GOLDEN) % 1.0
 
-    def in_debt(self, now: float) -> bool:
-        """Whether more was told than the allowance of all has room for."""
-        return self._levels(now)[0] < 0.0
-
     def due(self, now: float, *, news: bool, copies: int, apart_at_least: float = 0.0) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 

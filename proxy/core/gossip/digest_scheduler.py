@@ -245,10 +245,12 @@ class DigestScheduler:
         return self._view.echoes.are_awaited(now) and self._budget.echoes.affords(copies) > 0
 
     def _announcement(self, now: float) -> Digest:
-        """Return what was sent, in as few bytes as that takes; what is small only if there is room."""
+        """Return what was sent, in as few bytes as that takes, without what is small: that is booked by its rate.
+
+        With it where there was room eight robots with cameras and small samples told 96 % of what they may, now 83.
+        """
         own = list(self._view.streams.own())
-        large_alone = self._budget.in_debt(now)
-        keys = {s.key for s in own if not large_alone or self._announcements.is_large(s)}
+        keys = {s.key for s in own if self._announcements.is_large(s)}
         return self._composer.announcement(now, self._news.take(now, own, keys))
 
     def _announced(self, digest: Digest) -> None:

@@ -7,6 +7,10 @@ to 136 ms to arrive by the median, and 51 now; the team reached 86.2 % of the of
 96.1 on a channel on which nobody waits for others. Where digests wait behind whole frames robots hear of each other
 late: there it gains 0.3 to 1 %, and 2 to 6 % of the windows are over the limit instead of 1.
 
+Robots begin with it as soon as digests wait behind something. Where each had to be told first, after 3 to 9 s, the
+first three seconds reached 50, 79 and 88 % of the optimum, and reach 50, 85 and 95 now (one seed). Samples that prices
+decide on wait, too: at 12 Mbit/s carried both together brought 93.4 % where it was 91.1.
+
 What a sample occupies is measured: what it takes beyond a digest. Where a channel is much faster than its limit nobody
 waits.
 """

@@ -34,10 +34,6 @@ class MeshNews:
         self._view.overhearing.take(event)
         return []
 
-    def digest(self, event: ev.DigestHeard) -> list[Command]:
-        """A digest arrived."""
-        return self.hear(event.now, event.digest, event.size)
-
     def hear(self, now: float, digest: Digest, size: int) -> list[Command]:
         """Take in a digest of so many bytes, if it is one that its robot can have sent."""
         peer = self._view.peers.get(digest.tag)

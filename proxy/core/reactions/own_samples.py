@@ -104,14 +104,6 @@ class OwnSamples:
         self._kept.copies.turned_back(event.now, event.sample, event.to)
         return []
 
-    def ready(self, event: ev.DecisionReady) -> list[Command]:
-        """A search has an answer."""
-        return self._gate.ready(event)
-
-    def late(self, event: ev.DecisionLate) -> list[Command]:
-        """The deadline of a search is over."""
-        return self._gate.overdue(event.now, event.ticket)
-
     def _valued(self, stream: Stream, waiting: Waiting, extracted: Mapping[str, float], count: int) -> Waiting:
         """Return a sample with its worth by the specs in force; it is number `count` of the stream.
 

@@ -19,7 +19,8 @@ class Split:
     `windows` are those of the shared limits [s]. `floor` is the part of the limits that is kept for newcomers. At
     `settled_at` [s] all who are there have seen us: a robot that sees nobody then has everything. `kind` stands for
     what all must share to take part together (limits, specs); `version` is greater than any announced under our tag
-    before. Digests of a peer come in the order in which it sent them; late ones are left out by the caller.
+    before. `twice`: what is news is announced two times. Digests of a peer come in the order in which it sent them;
+    late ones are left out by the caller.
     """
 
     def __init__(
@@ -32,10 +33,11 @@ class Split:
         settled_at: float,
         kind: bytes = b"",
         version: int = 0,
+        twice: bool = False,
     ) -> None:
         units = round(floor * UNIT)
         self.agreement = Agreement(own, now, floor=units, settled_at=settled_at, kind=kind, version=version)
-        self.exchange = Exchange(now, self.agreement, max(windows))
+        self.exchange = Exchange(now, self.agreement, max(windows), twice=twice)
         self.own_part = OwnPart(now, windows, self.agreement.entitled)
         self._window, self._settled_at = max(windows), settled_at
         self._started, self._bid_at = now, -math.inf
@@ -43,7 +45,7 @@ class Split:
     def due_at(self, now: float) -> float:
         """Return when our part changes by time alone, a turn ends, or we request what we miss [s]."""
         settles = self._settled_at if self.agreement.newcomer and now < self._settled_at else math.inf
-        requests = self.exchange.requests_at
+        requests = min(self.exchange.requests_at, self.exchange.repeats_at)
         turns = [self._turn_ends(turn) for turn in self._held]
         return min([self.own_part.changes_at(now), settles, requests if requests > now else math.inf, *turns])
 

@@ -58,6 +58,8 @@ class SplitTuning:
     """A bid changes no sooner after it changed last [s]; sooner in the first seconds, when streams become known."""
     agreement_rest: float = 2.0
     """Nor does it sooner after all agreed than so many times what agreeing took: a third of the time is for that."""
+    repeat_after: float = 0.05
+    """What is told twice is told again so much later [s]."""
     request_delay: float = 1.0
     """Who misses something requests it after so long [s]..."""
     request_news: float = 2.0

@@ -112,11 +112,6 @@ class ClockOffset:
         """The time on our clock when the peer's shows `theirs`."""
         return theirs + self.offset
 
-    def latest(self, theirs: float) -> float:
-        """What our clock showed at most when the peer's showed `theirs` [s]."""
-        ours = self.ours(theirs)
-        return ours + self.uncertainty(ours)
-
     def _estimated(self) -> float:
         if self._last is None or self._most is None:
             return 0.0

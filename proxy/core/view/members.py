@@ -64,10 +64,6 @@ class Members:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
         return self._peers.get(self.tags.get(robot, ""))
 
-    def namesakes(self) -> list[Peer]:
-        """Return the robots that have another one's name, or ours."""
-        return [peer for peer in self._peers.values() if peer.is_namesake]
-
     def heir_of(self, name: str) -> Peer | None:
         """Return the robot that has a name that is free now, but was given another one here."""
         return next((other for other in self._peers.values() if other.name == name), None)

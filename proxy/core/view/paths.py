@@ -60,18 +60,15 @@ class Paths:
     def on_air(self, gaining: tuple[str, ...], size: float) -> float | None:
         """Return what samples of `size` [B] take beyond digests to those that gain by ours, as these tell [s].
 
-        The median of what they tell of our samples and of others', for all go by one channel: of eight robots one was
-        told once in 30 s, before its first large sample had come. None while they told of none. Who gets no samples
-        knows of small messages alone, and says nothing of it.
+        The median of what they tell of our samples, and a few of them of others', for all go by one channel: of eight
+        robots one was told once in 30 s, before its first large sample had come. None while they told of none. Who
+        gets no samples knows of small messages alone, and says nothing of it.
         """
-        members = self._members
-        peers = [peer for name in gaining if (peer := members.peers.get(name)) is not None]
-        told = [
-            max(0.0, line.of(size) - peer.offset.latency)
-            for peer in peers
-            for line in (peer.outbound.latency, *[sender.heard_by.get(peer.tag) for sender in members.peers.values()])
-            if line is not None
-        ]
+        senders = self._members.peers
+        peers = [peer for name in gaining if (peer := senders.get(name)) is not None]
+        lines = [(peer, peer.outbound.latency) for peer in peers]
+        lines += [(peer, each.heard_by.get(peer.tag)) for peer in peers[: TUNING.told_by] for each in senders.values()]
+        told = [max(0.0, line.of(size) - peer.offset.latency) for peer, line in lines if line is not None]
         return middle(told) if told else None
 
     def mean_loss(self) -> float:

@@ -127,6 +127,8 @@ class ViewTuning:
     """No sample is planned with a smaller part of the mean size."""
     smallest_size_part: float = 0.2
     """The smallest samples are not taken to be smaller than this part of the mean size."""
+    told_by: int = 4
+    """What others' samples take counts as so many receivers tell it: in a team of 25 all would be 600 numbers."""
 
 
 TUNING = ViewTuning()

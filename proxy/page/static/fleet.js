@@ -60,6 +60,7 @@ function fill(row, robot, type) {
   row.button.setAttribute("aria-label", `why: the last decisions on ${type?.type} of ${robot.robot}`);
   say(cells.age, type ? seconds(type.age) : "–");
   say(cells.worth, type?.worth ? `${number(type.worth.now)} of ${number(type.worth.most)}` : "–");
+  for (const cell of Object.values(cells)) cell.classList.toggle("nothing", row.button.hidden && cell.textContent.startsWith("–"));
 }
 
 function twice(cell, each, all) {

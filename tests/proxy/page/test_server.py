@@ -56,6 +56,7 @@ def test_what_is_dropped_is_told_with_the_words_of_why(fleet, live):
     assert {each["words"] for each in row["why"]} <= {
         "a limit has no room for it",
         "others are worth more for what is left",
+        "a newer one came before its turn",
     }
     assert row["worth"]["now"] <= row["worth"]["most"]
     (limit,) = head["limits"]

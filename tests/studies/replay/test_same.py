@@ -76,6 +76,9 @@ class Robot:
     def decided(self):
         return self.daemon.recording.describe()["events"]
 
+    def searched(self):
+        return self.daemon._loop.core.gate.decisions.made
+
     def told(self, order):
         """Tell the daemon to record or not, as `sendworthy record` does."""
         (reply,) = self.session.get(keys.record(self.name), payload=json.dumps({"record": order}), timeout=60.0)
@@ -96,20 +99,21 @@ def folder(tmp_path_factory):
         for robot in robots:
             robot.file.write_text(TIGHTER)
             robot.daemon.reloading.reload("test")
-        fly(robots, 800)
+        fly(robots, 800, searches=60)
     return folder / "recordings"
 
 
-def fly(robots, events, beside=None):
-    """Publish until each robot has recorded so many events; another one may publish beside them."""
-
+def fly(robots, events, beside=None, searches=0):
+    """Publish until each robot has recorded so many events, and so many searches more decided; one may do so beside."""
     pace = threading.Event()
+    begun = [robot.searched() for robot in robots]
 
     def enough():
         for robot in robots if beside is None else (*robots, beside):
             robot.publish()
         pace.wait(0.015)
-        return all(robot.decided() >= events for robot in robots)
+        searched = [robot.searched() - before for robot, before in zip(robots, begun, strict=True)]
+        return min(searched) >= searches and all(robot.decided() >= events for robot in robots)
 
     wait_until(enough, what=f"{events} events")
 
@@ -131,10 +135,10 @@ def middle(tmp_path_factory):
         for robot in (one, two):
             robot.file.write_text(TIGHTER)
             robot.daemon.reloading.reload("test")
-        fly((one, two), 600)
+        fly((one, two), 600, searches=20)
         one.told("stop")
         one.told("start")
-        fly((one,), 200, beside=two)
+        fly((one,), 200, beside=two, searches=20)
         one.told("stop")
     return folder / "recordings"
 

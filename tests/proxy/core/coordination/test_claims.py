@@ -43,6 +43,11 @@ def judged(view, now, *, grew=-math.inf):
     return rivals(now, view, disputes, stream, limits, grew=grew)
 
 
+def generated(view, t):
+    """Our newest sample is of that time."""
+    view.streams.known("r1", "robot/r1/camera").note_generated(101, Generated(t, SIZE, 1.0))
+
+
 def sent(view, robot, t):
     view.traffic.note_sent(view.streams.known(robot, f"robot/{robot}/camera"), 1, Sent(t, t, SIZE, 1.0))
 
@@ -58,7 +63,26 @@ def test_a_worse_claim_waits_for_us(view):
     """So never do both wait, nor both send."""
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.5)
+    generated(view, 10.0)
     assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (0.0,)
+
+
+def test_a_sample_that_others_do_not_count_any_more_gives_way_to_worse_claims(view):
+    """Who gave way for long, to one of whom it lacked the news, does not send beside those that know better."""
+    sent(view, "r1", 9.0)
+    sent(view, "r2", 9.5)
+    generated(view, 10.0 - 2.0 * news_take(view))
+    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
+    assert judged(view, 10.0 + 0.5 * TUNING.deciding)[1] == pytest.approx(10.0 + news_take(view))
+
+
+def test_who_waited_with_the_best_claim_for_room_that_opened_just_now_gives_way_to_nobody(view):
+    """The others leave it that room."""
+    sent(view, "r1", 9.0)
+    sent(view, "r2", 9.5)
+    now = 10.0 + 0.5 * TUNING.deciding
+    generated(view, 10.0 - 2.0 * news_take(view))
+    assert taken(view, now, grew=now) == (0.0,)
 
 
 def test_of_equal_claims_one_is_better(view):

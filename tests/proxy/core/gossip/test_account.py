@@ -110,7 +110,7 @@ def test_states_and_questions_are_paid_for_later(make_books):
     books = make_books()
     books.account.sent_other(1.0, 5_000, 2)
     assert books.budget.states.paid_in > 0.0
-    assert not books.budget.in_debt(1.0)
+    assert books.budget.due_ahead(1.0, 0.0) == 1.0
 
 
 def test_where_robots_share_no_limit_there_is_no_window(make_books):

@@ -7,6 +7,7 @@ import pytest
 from proxy.core.coordination.claims import news_take
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
+from proxy.core.market.standing import Standing
 from proxy.core.protocol.messages import State, StreamState
 from proxy.core.transit.latency import Latency
 from proxy.core.view.stream import Generated, Sent
@@ -84,6 +85,20 @@ def test_a_sample_that_is_to_be_sent_waits_when_another_robot_sent_while_it_was_
     announce(slow, 8.2)
     assert only(slow.answer(8.205, decide, send=True)) == []
     assert only(slow.tell(ev.TimePassed(8.3))) == []
+
+
+def test_a_sample_that_its_price_sends_waits_for_the_channel_too(slow):
+    """Where a window holds many frames none is searched for; two still come late that are sent at one moment."""
+    limit = replace(slow.core.budget.limits[0], limit=100_000.0, window=4.0)
+    slow.core.budget.set_limits((limit,))
+    announce(slow, 8.15)
+    sample, commands = slow.publish(8.2, size=4000)
+    assert only(commands) == []
+    stream = slow.core.view.streams.known("r1", "robot/r1/camera")
+    assert slow.core.gate.appraisal.disputes.weighed(stream).standing is Standing.PRICED
+    free = 8.15 + 0.8 * 4000 / 25_000
+    assert only(slow.tell(ev.TimePassed(free - 0.001))) == []
+    assert only(slow.tell(ev.TimePassed(free + 0.001))) == [Forward(sample)]
 
 
 def test_nobody_waits_where_the_channel_is_fast(slow):

@@ -1,17 +1,19 @@
 """What robots announce of the split, and request again."""
 
+import math
 from dataclasses import replace
 
 from proxy.core.protocol.bid import Segment
 from proxy.core.split.split import Split
+from proxy.core.split.tuning import TUNING
 from tests.proxy.core.split.flight import FLOOR, WINDOW, waits_for_turn
 
 SMALL = (Segment(300, 150),)
 
 
-def team_of(tags, bid=SMALL):
+def team_of(tags, bid=SMALL, *, twice=False):
     """Robots that know each other, each of which asks for something; nobody has told anything yet."""
-    splits = {tag: Split(tag, 0.0, (WINDOW,), floor=FLOOR, settled_at=1.0) for tag in tags}
+    splits = {tag: Split(tag, 0.0, (WINDOW,), floor=FLOOR, settled_at=1.0, twice=twice) for tag in tags}
     for tag, split in splits.items():
         split.set_members(0.0, set(tags) - {tag})
         if bid:
@@ -40,6 +42,17 @@ def test_agreeing_takes_two_digests_of_each_robot():
     assert [each.bid for each in told] == [SMALL, None, None, None]
     assert all(split.agreement.formed for tag, split in splits.items())
     assert not any(split.exchange.has_news(0.3) for split in splits.values())
+
+
+def test_what_is_news_is_told_twice_where_all_hear_one_digest():
+    """Once more soon after, and not a third time."""
+    splits = team_of("ab", twice=True)
+    first, later = say(splits, 0.1, "a", "b"), 0.1 + TUNING.repeat_after
+    assert not splits["a"].exchange.has_news(0.1)
+    assert splits["a"].due_at(0.1) == later
+    assert splits["a"].exchange.has_news(later)
+    assert say(splits, later, "a").bid == first.bid
+    assert splits["a"].exchange.repeats_at == math.inf
 
 
 def test_who_missed_a_digest_asks_and_only_who_is_asked_tells_again():

@@ -111,15 +111,6 @@ def test_a_clock_that_stood_still_is_found_out(slept):
     assert clock.uncertainty(201.0) < 0.03
 
 
-def test_no_clock_showed_later_than_the_latest():
-    """The estimate, and what it may be wrong by at that time."""
-    offset = ClockOffset()
-    offset.heard(1.0, 11.1)
-    offset.echoed(10.9, 1.0)
-    assert offset.latest(1.0) == pytest.approx(11.1, abs=1e-3)
-    assert offset.latest(0.0) > offset.latest(1.0) - 1.0
-
-
 @given(
     offset=st.floats(-1e5, 1e5),
     wrong=st.floats(-0.02, 0.02),

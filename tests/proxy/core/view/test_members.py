@@ -17,7 +17,7 @@ def test_robots_of_one_name_are_told_apart(view):
         view.heard_state(0.0, State("r2", zid, "", "", (StreamState(7, CAMERA, "camera", 0.5),), ("robot/**",)))
     view.add_peer(0.0, "r1", "cccc1")
     assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-aaaa", "r2-bbbb", "r1-cccc"]
-    assert [peer.name for peer in view.members.namesakes()] == ["r2", "r2", "r1"]
+    assert [peer.name for peer in [peer for peer in view.peers.values() if peer.is_namesake]] == ["r2", "r2", "r1"]
     for number, zid in enumerate(("aaaa1", "aaaa2", "bbbb1"), 1):
         view.heard_digest(1.0, Digest("r2", zid, 1.0, 0, 0, (StreamDigest(7, number, 0, 1.0, 0.0, 10, 1.0),)))
     assert {s.robot: s.generated for s in view.streams} == {"r2": 1, "r2-aaaa": 2, "r2-bbbb": 3}
@@ -51,7 +51,7 @@ def test_a_robot_that_restarted_has_its_name_when_its_old_self_leaves(view):
     view.heard_digest(2.0, Digest("r2", "z-new", 1.0, 0, 0, (StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0),)))
     view.gone("z-r2")
     assert [(stream.robot, stream.generated) for stream in view.streams] == [("r2", 1)]
-    assert view.members.namesakes() == []
+    assert [peer for peer in view.peers.values() if peer.is_namesake] == []
     view.gone("z-new")
     assert list(view.streams) == []
     view.gone("z-new")

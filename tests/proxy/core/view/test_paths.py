@@ -48,6 +48,17 @@ def test_ways_of_others_are_what_their_receivers_tell(view):
     assert view.peers["z-r2"].heard_by == {}
 
 
+def test_how_long_a_sample_is_on_the_air_is_told_of_anybodys_samples(view):
+    """All go by one channel; the median counts: who was told before its first large sample knows of digests alone."""
+    assert view.paths.on_air(("z-r2",), 1000) is None
+    view.peers["z-r3"].heard_by["z-r2"] = Latency(0.01, 1e-4)
+    assert view.paths.on_air(("z-r2",), 1000) == pytest.approx(0.11)
+    view.peers["z-r2"].outbound.latency = Latency(0.004)
+    view.peers["z-r4"].heard_by["z-r2"] = Latency(0.01, 2e-4)
+    assert view.paths.on_air(("z-r2",), 1000) == pytest.approx(0.11)
+    assert view.paths.on_air(("z-r4",), 1000) is None
+
+
 def test_few_samples_of_many_robots_tell_the_mean_loss(view):
     """Each of them alone tells little."""
     for name in ("z-r2", "z-r3", "z-r4"):
