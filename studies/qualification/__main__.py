@@ -75,7 +75,7 @@ def _run(stage: Stage, logs: Path) -> Outcome:
 
 def _version() -> str:
     """Return the commit that is run, with a plus if more than results was changed since; empty without a history."""
-    asked = ("git", "rev-parse", "--short", "HEAD"), ("git", "status", "--porcelain", ".", f":!{PAGE.parent}")
+    asked = ("git", "rev-parse", "--short", "HEAD"), ("git", "status", "--porcelain", ".", f":(exclude){PAGE.parent}")
     commit, changed = (
         subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip() for git in asked
     )
