@@ -52,6 +52,15 @@ def test_the_page_has_a_short_sentence_of_each_stage(tmp_path, line, short):
     assert rows(page) == [["that it is cut", "yes", short]]
 
 
+def test_the_page_is_written_of_what_ran_before(tmp_path):
+    """Nothing runs, and it says what it is told to."""
+    page = tmp_path / "page.md"
+    main(["good"], (BAD, GOOD), page, tmp_path)
+    assert main(["--page", "--note", "Much else ran."], (BAD, GOOD), page, tmp_path) == 0
+    assert rows(page) == [["that it fails", "not run", ""], ["that it runs", "yes", "last 7"]]
+    assert page.read_text().endswith("\n\nMuch else ran.\n")
+
+
 def test_unknown_stages_are_refused(capsys):
     """The message names those that exist."""
     with pytest.raises(SystemExit):
