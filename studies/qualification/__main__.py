@@ -46,13 +46,16 @@ def main(
     parser = argparse.ArgumentParser(prog="python -m studies.qualification", description=__doc__)
     names = [stage.name for stage in stages]
     parser.add_argument("stages", nargs="*", metavar="STAGE", help=f"of {', '.join(names)}; all by default")
-    asked = parser.parse_args(arguments).stages or names
+    parser.add_argument("--page", action="store_true", help="run nothing, and write the page of what ran here before")
+    parser.add_argument("--note", metavar="TEXT", default="", help="what the page says below, such as what else ran")
+    given = parser.parse_args(arguments)
+    asked = given.stages or ([] if given.page else names)
     if unknown := set(asked) - set(names):
         parser.error(f"{min(unknown)!r} is not one of {', '.join(names)}")
     print(machine(), flush=True)
     logs.mkdir(parents=True, exist_ok=True)
     failed = [stage.name for stage in stages if stage.name in asked and _run(stage, logs).code]
-    write_page(page, "The long runs", [_table(stages, logs)], datetime.now(UTC), parser.prog)
+    write_page(page, "The long runs", [_table(stages, logs, given.note)], datetime.now(UTC), parser.prog)
     return int(bool(failed))
 
 
@@ -75,16 +78,17 @@ def _run(stage: Stage, logs: Path) -> Outcome:
 
 def _version() -> str:
     """Return the commit that is run, with a plus if more than results was changed since; empty without a history."""
-    asked = ("git", "rev-parse", "--short", "HEAD"), ("git", "status", "--porcelain", ".", f":!{PAGE.parent}")
+    asked = ("git", "rev-parse", "--short", "HEAD"), ("git", "status", "--porcelain", ".", f":(exclude){PAGE.parent}")
     commit, changed = (
         subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip() for git in asked
     )
     return f"{commit}+" if changed else commit
 
 
-def _table(stages: Sequence[Stage], logs: Path) -> Table:
+def _table(stages: Sequence[Stage], logs: Path, note: str) -> Table:
     columns = ("what", "passed", "began (UTC)", "version", "took", "it said at last")
-    return Table("Stages", columns, tuple((stage.shows, *_cells(logs / f"{stage.name}.json")) for stage in stages))
+    rows = tuple((stage.shows, *_cells(logs / f"{stage.name}.json")) for stage in stages)
+    return Table("Stages", columns, rows, note)
 
 
 def _cells(kept: Path) -> tuple[str, ...]:

@@ -78,8 +78,9 @@ class Hollow:
         self._before = after
         if before is None or not _held_back(before, after):
             return
-        ours, every = _use(before, after, view, shared)
-        if ours < TUNING.hollow_own * self.equal_part(view) and every < TUNING.hollow_use:
+        equal = self.equal_part(view)
+        ours, every = _use(before, after, view, shared, TUNING.hollow_untold * equal)
+        if ours < TUNING.hollow_own * equal and every < TUNING.hollow_use:
             self._until, self._before = now + self._rest, None
             self._rest = min(2.0 * self._rest, TUNING.longest_retry)
 
@@ -123,21 +124,29 @@ def _held_back(before: _Account, after: _Account) -> bool:
     return generated > 0 and sent < TUNING.hollow_sent * generated
 
 
-def _use(before: _Account, after: _Account, view: SharedView, limits: tuple[Limit, ...]) -> tuple[float, float]:
-    """Return which part of the limit that is used most we used meanwhile, and all together as far as confirmed."""
+def _use(
+    before: _Account, after: _Account, view: SharedView, limits: tuple[Limit, ...], untold: float
+) -> tuple[float, float]:
+    """Return which part of the limit that is used most we used meanwhile, and all together as far as confirmed.
+
+    Of whom somebody has not told what came of it so much is believed without: `untold`.
+    """
     elapsed = after.at - before.at
     ours = _part(before.ours, after.ours, elapsed, limits)
     every = list(ours)
     for name in before.claims.keys() & after.claims.keys():
         both, receivers = (before.claims[name], after.claims[name]), _receivers(name, view)
-        every = [a + b for a, b in zip(every, _confirmed(*both, elapsed, receivers, limits), strict=True)]
+        claimed, came = _confirmed(*both, elapsed, receivers, limits)
+        lacking = any(both[1].came.get(by, (-math.inf, 0))[0] < before.at for by in receivers)
+        trusted = untold if lacking else 0.0
+        every = [total + max(use * came, min(use, trusted)) for total, use in zip(every, claimed, strict=True)]
     return max(ours), max(every)
 
 
 def _confirmed(
     then: _Claim, now: _Claim, elapsed: float, receivers: Sequence[str], limits: tuple[Limit, ...]
-) -> list[float]:
-    """Return which part of each limit a robot used of which others say that it came."""
+) -> tuple[list[float], float]:
+    """Return which part of each limit a robot says to have used, and how much of that came, as others say."""
     apart = now.told - then.told if 0.0 < now.told - then.told < math.inf else elapsed
     told = [
         (now.counted[0] - then.counted[0], _part(then.counted, now.counted, apart, limits)),
@@ -145,7 +154,7 @@ def _confirmed(
     ]
     messages, use = max(told, key=lambda each: max(each[1]))
     came = sum(max(0, now.came[by][1] - then.came[by][1]) for by in receivers if by in now.came and by in then.came)
-    return [part * min(1.0, came / messages) if messages > 0 else 0.0 for part in use]
+    return use, min(1.0, came / messages) if messages > 0 else 0.0
 
 
 def _part(before: Sent, after: Sent, elapsed: float, limits: tuple[Limit, ...]) -> list[float]:

@@ -74,8 +74,11 @@ class CoordinationTuning:
     """... less than this part of what we generated was sent..."""
     hollow_own: float = 0.7
     """... we used less than this part of an equal part..."""
-    hollow_use: float = 0.35
+    hollow_use: float = 0.25
     """... and all of us together, as far as it is confirmed, less than this part of a limit."""
+    hollow_untold: float = 0.5
+    """Where somebody has not told what came of a robot, so much of an equal part is believed: of five robots, of whose
+    digests 10 % were lost, one heard nothing of two others for 20 s."""
     whole_part: float = 0.95
     """Who has so much of a limit may take it all for a message that is larger."""
 

@@ -1,9 +1,11 @@
 """The command of the long runs, with short ones."""
 
 import re
+import subprocess
 
 import pytest
 
+from studies.qualification import __main__ as command
 from studies.qualification.__main__ import ROOT, main
 from studies.qualification.stages import STAGES, Stage
 
@@ -50,6 +52,15 @@ def test_the_page_has_a_short_sentence_of_each_stage(tmp_path, line, short):
     assert rows(page) == [["that it is cut", "yes", short]]
 
 
+def test_the_page_is_written_of_what_ran_before(tmp_path):
+    """Nothing runs, and it says what it is told to."""
+    page = tmp_path / "page.md"
+    main(["good"], (BAD, GOOD), page, tmp_path)
+    assert main(["--page", "--note", "Much else ran."], (BAD, GOOD), page, tmp_path) == 0
+    assert rows(page) == [["that it fails", "not run", ""], ["that it runs", "yes", "last 7"]]
+    assert page.read_text().endswith("\n\nMuch else ran.\n")
+
+
 def test_unknown_stages_are_refused(capsys):
     """The message names those that exist."""
     with pytest.raises(SystemExit):
@@ -62,3 +73,25 @@ def test_the_stages_find_what_they_name():
     named = [word for stage in STAGES for word in stage.command if word.startswith("tests/")]
     assert named
     assert all((ROOT / word).exists() for word in named)
+
+
+def test_pages_that_stages_write_make_no_other_version(tmp_path, monkeypatch):
+    """Only what else was changed since the commit does."""
+
+    def git(*words):
+        who = ("-c", "user.name=a", "-c", "user.email=a@b")
+        subprocess.run(["git", *who, *words], cwd=tmp_path, check=True, capture_output=True)
+
+    page = tmp_path / "results" / "page.md"
+    page.parent.mkdir()
+    for file in (page, tmp_path / "code.py"):
+        file.write_text("before")
+    git("init", "--quiet")
+    git("add", ".")
+    git("commit", "--quiet", "--message", "all")
+    monkeypatch.setattr(command, "ROOT", tmp_path)
+    monkeypatch.setattr(command, "PAGE", page)
+    page.write_text("after")
+    assert not command._version().endswith("+")
+    (tmp_path / "code.py").write_text("after")
+    assert command._version().endswith("+")
