@@ -62,7 +62,9 @@ class DigestComposer:
         )
 
     def _take_echoes(self, now: float, copies: int) -> tuple[Echo, ...]:
-        echoes = self._echoes.take(now, self._view.echoes.due(now), copies)
+        """Return some echoes. Where limits follow the channel they tell how long digests wait now."""
+        quickest = not self._capacity.factors
+        echoes = self._echoes.take(now, self._view.echoes.due(now, quickest=quickest), copies)
         self._view.echoes.sent(echo.peer for echo in echoes)
         return echoes
 

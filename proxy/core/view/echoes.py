@@ -16,15 +16,16 @@ class Echoes:
         self._own = own
         self._peers = peers
 
-    def due(self, now: float) -> tuple[Echo, ...]:
-        """Echo the last digest of each peer, and tell what its samples take.
+    def due(self, now: float, *, quickest: bool = False) -> tuple[Echo, ...]:
+        """Echo the last digest of each peer, or the `quickest` one since its last echo, and tell what its samples take.
 
         In a large team, where an echo is rare, who has just been met is left out: while robots start all is slow.
         """
         echoes = []
         for name, peer in sorted(self._peers.items(), key=self._order):
-            if peer.last_heard is not None and self._has_started(now, peer):
-                echoes.append(_echo(name, peer, peer.last_heard))
+            heard = (peer.quickest if quickest else None) or peer.last_heard
+            if heard is not None and self._has_started(now, peer):
+                echoes.append(_echo(name, peer, heard))
         return tuple(echoes)
 
     def are_awaited(self, now: float) -> bool:
@@ -37,7 +38,7 @@ class Echoes:
     def sent(self, names: Iterable[str]) -> None:
         """Echoes for robots with these tags go out."""
         for name in names:
-            self._peers[name].note_echo()
+            self._peers[name].note_echo(ours=True)
 
     def heard(self, now: float, peer: Peer, echo: Echo) -> None:
         """A peer echoes a digest, of ours or of another robot."""
@@ -45,7 +46,7 @@ class Echoes:
             peer.outbound.heard_echo(now, echo)
             self.presume_ways()
         elif (other := self._peers.get(echo.peer)) is not None:
-            other.note_echo()
+            other.note_echo(ours=False)
             other.came[peer.tag] = now, echo.samples
             if (line := latency_of(echo)) is not None:
                 other.heard_by[peer.tag] = line

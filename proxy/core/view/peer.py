@@ -56,6 +56,11 @@ class HeardDigest(NamedTuple):
     received: float
     samples: int
 
+    @property
+    def took(self) -> float:
+        """How long it was on its way, by two clocks that differ [s]."""
+        return self.received - self.sent
+
 
 @dataclass(slots=True)
 class Peer:
@@ -91,6 +96,8 @@ class Peer:
     """The last digest, which the next one has to follow."""
     last_heard: HeardDigest | None = None
     """When its last digest came."""
+    quickest: HeardDigest | None = None
+    """The digest since the last echo that was on its way for the shortest time: its echo tells most of clocks."""
     echoed: bool = False
     """Whether anybody has echoed a digest of it, so that it knows of one way how long it is."""
     counted: tuple[float, int, int] | None = None
@@ -154,9 +161,11 @@ class Peer:
         """It may have started anew: the next digest need not follow the last one."""
         self.digest = None
 
-    def note_echo(self) -> None:
+    def note_echo(self, *, ours: bool) -> None:
         """Somebody echoed a digest of it, or we did."""
         self.echoed = True
+        if ours:
+            self.quickest = None
 
     def whole(self, state: State) -> State | None:
         """Return the whole state that an update makes of the one in force; None when it is for another one."""
@@ -195,7 +204,9 @@ class Peer:
     def heard_digest(self, now: float, digest: Digest) -> None:
         """A digest of the peer arrived."""
         self.digest = digest
-        self.last_heard = HeardDigest(digest.sent, now, self.inbound.samples)
+        self.last_heard = heard = HeardDigest(digest.sent, now, self.inbound.samples)
+        if self.quickest is None or heard.took <= self.quickest.took + TRANSIT.drift * (now - self.quickest.received):
+            self.quickest = heard
         if not digest.brief:
             self.counted = now, digest.messages, digest.bytes
         self.offset.heard(digest.sent, now)

@@ -122,7 +122,7 @@ def queries(core, now):
     )
     yield (
         "what is echoed",
-        lambda: (view.echoes.due(now), view.newcomers.met_lately(now)),
+        lambda: (view.echoes.due(now), view.echoes.due(now, quickest=True), view.newcomers.met_lately(now)),
     )
     yield (
         "view of robots",

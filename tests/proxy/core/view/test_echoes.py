@@ -36,6 +36,20 @@ def test_samples_of_a_peer_are_counted_for_it(view):
     assert [echo.peer for echo in view.echoes.due(11.0)] == ["z-r2"]
 
 
+def test_the_quickest_digest_since_the_last_echo_tells_most_of_clocks(view):
+    """Others waited somewhere; what came long ago says less, as clocks drift."""
+    meet(view)
+    for sent, took in ((5.0, 0.3), (6.0, 0.02), (7.0, 0.2)):
+        view.heard_digest(sent + took, digest(sent))
+    assert [echo.sent for echo in view.echoes.due(8.0)] == [7.0]
+    assert [echo.sent for echo in view.echoes.due(8.0, quickest=True)] == [6.0]
+    view.echoes.sent(["z-r2"])
+    assert [echo.sent for echo in view.echoes.due(8.0, quickest=True)] == [7.0]
+    view.heard_digest(9.1, digest(9.0))
+    view.heard_digest(1009.2, digest(1009.0))
+    assert [echo.sent for echo in view.echoes.due(1010.0, quickest=True)] == [1009.0]
+
+
 def test_in_a_large_team_who_has_just_met_is_not_echoed(view):
     """Its digests wait while it starts."""
     meet(view)
