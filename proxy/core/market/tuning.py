@@ -79,9 +79,6 @@ class MarketTuning:
     paced_least: float = 0.25
     """... and for less than this part nobody waits: on a channel that is so much faster than its limit five robots with
     samples of random sizes had 1.1 % of the windows over the limit instead of 0.4, and nothing was won..."""
-    paced_untold: float = 0.05
-    """Before anybody has told what samples take the channel counts as slow where digests wait for this part of what a
-    sample takes at the pace of the limits..."""
     paced_ahead: float = 4.0
     """... and plans have windows that are shorter by what so many samples take, for a burst that a plan sends goes one
     after the other: without, the same team filled 82 % of the limit instead of 91, and reached 1.7 % less..."""

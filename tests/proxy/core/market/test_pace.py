@@ -10,7 +10,7 @@ from planner.measures import Throughput
 from proxy.core.market.pace import at_pace, carried, pace_part
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, limits_of
-from proxy.core.protocol.messages import Digest, Echo
+from proxy.core.protocol.messages import Echo
 from proxy.core.transit.latency import Latency
 from proxy.core.view.stream import Generated
 from tests.proxy.core.view.met import team
@@ -62,15 +62,6 @@ def test_a_sample_is_taken_to_be_carried_as_fast_as_receivers_tell(view, limits)
     assert pace_part(view, stream, limits) == pytest.approx(4e-5 * FRAME * copies / slowest)
     view.peers["z-r2"].outbound.latency = Latency(0.01, 1e-5)
     assert pace_part(view, stream, limits) == 0.0
-
-
-def test_before_anybody_has_told_digests_that_wait_tell_of_a_slow_channel(view, limits):
-    """A robot that starts beside seven others would send its first frames behind theirs."""
-    stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
-    for number in range(50):
-        view.staleness.heard(1.0, view.peers["z-r2"], Digest("r2", "z-r2", 0.0, number, 0, ()))
-    assert view.staleness.delay == pytest.approx(1.0)
-    assert pace_part(view, stream, limits) == TUNING.paced
 
 
 def test_what_limits_allow_is_carried_however_long_samples_took(view, limits):
