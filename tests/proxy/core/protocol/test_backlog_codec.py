@@ -11,7 +11,6 @@ from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.envelope import VERSION, MalformedWireError
 from tests.proxy.core.protocol.drawn import count
 
-
 KEYS = st.lists(st.text(st.characters(exclude_categories=["Cs"], exclude_characters="*"), min_size=1, max_size=5))
 """Of no lone surrogates: keys come as UTF-8."""
 
