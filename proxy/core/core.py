@@ -97,7 +97,8 @@ class Core:
         react = self._reactions.get(kind)
         if react is None:
             raise TypeError(f"{kind.__name__} is no event of the core")
-        if (passed := self.pass_on(event)) is not None:
+        if (passed := fast.take(event)) is not None:  # as `pass_on` does, which would be one more call for every event
+            self._wakes_at = min(self._wakes_at, fast.due_at)
             return passed
         if kind is not ev.SampleHeard:  # which concerns none of ours
             fast.conclude()

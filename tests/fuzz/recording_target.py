@@ -31,7 +31,7 @@ from studies.foreign.errors import ImportFailedError
 from studies.replay.errors import ReplayError
 from studies.replay.recordings import Recordings
 from studies.replay.same import SameReplay
-from tests.fuzz.target import specs
+from tests.fuzz.target import messages, specs
 
 KINDS = ("file", "messages", "snapshot", "bag.mcap", "bag.db3", "csv")
 TOPICS = (
@@ -50,7 +50,7 @@ def one_recording(data: bytes) -> None:
         case "file":
             _replayed(_written("a.mcap", rest))
         case "messages":
-            _replayed(_written("a.mcap", _packed(_messages(rest))))
+            _replayed(_written("a.mcap", _packed(messages(rest, TOPICS))))
         case "snapshot":
             with suppress(RecordingError):
                 unpickled(rest, SpecParts(specs()))
@@ -87,16 +87,6 @@ def _replayed(path: Path) -> None:
 
 def _all(things):
     return list(islice(things, MOST))
-
-
-def _messages(data):
-    """Split the data; what is cut off is a message too. At most 64."""
-    found, place = [], 0
-    while place + 3 <= len(data) and len(found) < 64:
-        topic, length = struct.unpack_from(">BH", data, place)
-        found.append((TOPICS[topic % len(TOPICS)], data[place + 3 : place + 3 + length]))
-        place += 3 + length
-    return found
 
 
 def _packed(messages):

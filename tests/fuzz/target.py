@@ -40,12 +40,12 @@ def one_input(data: bytes) -> None:
     core.finish()
 
 
-def messages(data):
-    """Split the data; what is cut off is a message too. At most 64."""
+def messages(data, kinds=KINDS):
+    """Split the data into messages of these kinds; what is cut off is one too. At most 64."""
     found, place = [], 0
     while place + 3 <= len(data) and len(found) < 64:
         kind, length = struct.unpack_from(">BH", data, place)
-        found.append((KINDS[kind % len(KINDS)], data[place + 3 : place + 3 + length]))
+        found.append((kinds[kind % len(kinds)], data[place + 3 : place + 3 + length]))
         place += 3 + length
     return found
 

@@ -1,9 +1,8 @@
 """What this robot itself sees of the channel, by the digests that it sends and receives.
 
-Whether anything gets through at all, in both directions.
-
-How often the others can be heard depends on the allowance of digests, which is the same for all: a robot that may
-seldom speak expects to hear seldom.
+What all put on the air (`Load`), and whether anything gets through at all, in both directions (`Liveness`). How often
+the others can be heard depends on the allowance of digests, which is the same for all: a robot that may seldom speak
+expects to hear seldom.
 """
 
 from collections import deque

@@ -57,8 +57,8 @@ class Members:
 
         However many sessions have one name, they are one robot.
         """
-        silent = (self._peers[name] for name in self._silent)
-        return len({peer.name for peer in silent if not peer.plain}) if self._silent else 0
+        peers = self._peers
+        return len({peers[name].name for name in self._silent if not peers[name].plain}) if self._silent else 0
 
     def called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
