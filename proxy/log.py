@@ -12,6 +12,7 @@ from typing import TextIO
 
 from proxy import clock
 from proxy.config import LogConfig
+from proxy.quantities import clean
 
 PLAIN = "%(levelname)s %(name)s: %(message)s"
 STAMPED = f"%(asctime)s {PLAIN}"
@@ -34,10 +35,10 @@ class OneLine(logging.Formatter):
     """Formats a record, traceback included, as a single line."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Format `record`; what would start a new line is joined by a bar."""
+        """Format `record`; what would start a new line is joined by a bar, what a terminal would obey replaced."""
         text = " | ".join(line.strip() for line in super().format(record).splitlines() if line.strip())
         left_out = fields(record).get("left_out")
-        return f"{text} ({left_out} more like it were left out)" if left_out else text
+        return clean(f"{text} ({left_out} more like it were left out)" if left_out else text)
 
 
 class JsonLine(logging.Formatter):

@@ -22,6 +22,7 @@ from proxy.errors import ProxyError
 from proxy.fleet_token import proofs, read_token, token_of
 from proxy.profiling.profile import Profile, read
 from proxy.profiling.request import Request
+from proxy.quantities import clean
 from proxy.why import Question
 
 DAEMON = "tcp/127.0.0.1:7447"
@@ -249,7 +250,7 @@ def ordered(name: str, arguments: argparse.Namespace, order: str, payload: bytes
         return exit_codes.FAILED
     for outcome in outcomes:
         for line in outcome.said:
-            print(f"{outcome.robot}: {line}", file=sys.stdout if outcome.obeyed else sys.stderr)
+            print(clean(f"{outcome.robot}: {line}"), file=sys.stdout if outcome.obeyed else sys.stderr)
     return exit_codes.OK if all(outcome.obeyed for outcome in outcomes) else exit_codes.FAILED
 
 

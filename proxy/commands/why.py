@@ -11,7 +11,7 @@ from typing import Any
 from proxy import clock, exit_codes
 from proxy.commands.client import Client, NoAnswerError, add_client_flags, connected
 from proxy.decisions_text import again, described, headed
-from proxy.quantities import duration
+from proxy.quantities import clean, duration
 from proxy.why import LAST, Question, QuestionError
 
 DESCRIPTION = """\
@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
             answer = _answer(daemon, robot, question)
             if arguments.follow:
                 _follow(daemon, robot, question, answer, as_json=arguments.json)
-            _print([json.dumps(answer, indent=2)] if arguments.json else told(answer, _width()))
+            _print([json.dumps(answer, indent=2)] if arguments.json else map(clean, told(answer, _width())))
     except NoAnswerError as error:
         print(f"sendworthy why: {error}", file=sys.stderr)
         return exit_codes.FAILED
@@ -157,7 +157,7 @@ def _follow(daemon: Client, robot: str, question: Question, answer: dict[str, An
         if answer["decided"] < after:
             following.restarted()
         after = answer["decided"]
-        _print(following.news(answer, _width()))
+        _print(map(clean, following.news(answer, _width())))
         time.sleep(POLL)
         answer = _answer(daemon, robot, Question(question.key, LAST[1], after))
 

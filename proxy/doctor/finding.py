@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from proxy import exit_codes
+from proxy.quantities import clean
 
 _BARRED = f"cannot be read: {os.strerror(errno.EACCES)}"
 """How messages end about what another user could read."""
@@ -29,7 +30,7 @@ class Finding:
     text: str
 
     def __str__(self) -> str:
-        return f"{self.state.value:<8} {self.check:<13} {' '.join(self.text.split())}"
+        return f"{self.state.value:<8} {self.check:<13} {clean(' '.join(self.text.split()))}"
 
 
 def fine(check: str, text: str) -> Finding:

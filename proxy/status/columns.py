@@ -4,7 +4,7 @@ import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from proxy.quantities import Status
+from proxy.quantities import Status, clean
 
 GAP = 2
 """Blanks between columns."""
@@ -126,8 +126,3 @@ def width_of(text: str) -> int:
     return sum(
         0 if unicodedata.combining(each) else 2 if unicodedata.east_asian_width(each) in "WF" else 1 for each in text
     )
-
-
-def clean(text: str) -> str:
-    """Replace what a terminal would not show but obey: keys and names are others' words."""
-    return text if text.isprintable() else "".join(each if each.isprintable() else "\ufffd" for each in text)

@@ -101,6 +101,13 @@ def test_a_traceback_stays_on_one_line(logged):
     assert line.endswith("ValueError: invalid literal for int() with base 10: 'first\\nsecond'")
 
 
+def test_a_line_moves_no_cursor(logged):
+    """Whoever is on the mesh has a name of its own choice, and logs are read on terminals."""
+    stream = logged()
+    log.info("robot %s is on the mesh", "\x1b[2Jred\x9b2J")
+    assert stream.getvalue().endswith("robot \ufffd[2Jred\ufffd2J is on the mesh\n")
+
+
 def test_programs_read_objects(logged):
     """With the time in UTC, the level, the message, and what is given beside it."""
     stream = logged(format="json")

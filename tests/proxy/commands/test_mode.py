@@ -37,3 +37,15 @@ def test_of_several_daemons_one_must_be_chosen(stand_in, capsys):
     assert capsys.readouterr().err == (
         f"sendworthy mode: several daemons answer at {where}: choose with --robot r1|r2\n"
     )
+
+
+def test_what_other_robots_answer_moves_no_cursor(stand_in, capsys):
+    """It is their words."""
+
+    def tell(query):
+        query.reply("@sendworthy/r1/to-fleet/mode", json.dumps([{"robot": "r2", "obeyed": True, "said": ["\x1b[2J"]}]))
+        query.drop()
+
+    where = stand_in({"@sendworthy/r1/to-fleet/mode": tell})
+    assert main(["mode", "shadow", "--fleet", "--robot", "r1", "--connect", where]) == exit_codes.OK
+    assert capsys.readouterr().out == "r2: \ufffd[2J\n"

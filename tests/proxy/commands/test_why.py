@@ -186,14 +186,14 @@ def test_nothing_decided_and_streams_left_out_are_told(stand_in, capsys):
     """An answer may have both."""
 
     def tell(query):
-        query.reply("@sendworthy/r1/why", json.dumps(answer_of() | {"left_out": ["b", "c"]}))
+        query.reply("@sendworthy/r1/why", json.dumps(answer_of() | {"left_out": ["b", "\x1b[31mc"]}))
         query.drop()
 
     where = stand_in({"@sendworthy/r1/why": tell})
     assert main(["why", "a", "--robot", "r1", "--connect", where]) == exit_codes.OK
     out = capsys.readouterr().out
     assert "nothing was decided on it yet" in out
-    assert "and 2 more streams: b, c" in out
+    assert "and 2 more streams: b, \ufffd[31mc" in out
 
 
 def test_what_is_no_answer_is_no_daemon(stand_in, capsys):

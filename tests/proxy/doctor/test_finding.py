@@ -32,3 +32,8 @@ def test_what_this_user_may_not_read_is_no_mistake():
 def test_it_is_one_line():
     """Whatever a program says that was asked."""
     assert str(finding("power save", "wlan0:\n  no\tanswer")) == "finding  power save    wlan0: no answer"
+
+
+def test_a_finding_moves_no_cursor():
+    """Names and versions are others' words."""
+    assert str(finding("versions", "\x1b[2Jred runs 2.0")) == "finding  versions      \ufffd[2Jred runs 2.0"

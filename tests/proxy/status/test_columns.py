@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.status.columns import Column, Table, aligned, clean, fitted, shortened, width_of
+from proxy.status.columns import Column, Table, aligned, fitted, shortened, width_of
 
 TABLE = Table(
     "Things",
@@ -59,9 +59,3 @@ def test_signs_that_are_two_places_wide_count_twice():
     assert aligned("カメラ", 8, left=True) == "カメラ  "
     assert aligned("é", 3, left=False) == "  é"
     assert width_of(shortened("robot/カメラ/正面", 10)) <= 10
-
-
-def test_what_a_terminal_would_obey_is_replaced():
-    """Escape sequences are not names."""
-    assert clean("ok") == "ok"
-    assert clean("a\x1b[31m\tb") == "a\ufffd[31m\ufffdb"
