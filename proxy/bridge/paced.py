@@ -5,7 +5,8 @@ from collections import Counter, deque
 from proxy.bridge.sample import Held
 from proxy.bridge.tuning import TUNING
 
-Item = tuple[int, Held]
+Item = tuple[int | str, Held]
+"""A decided sample with its number, or a passing one with its reason."""
 
 
 class Paced:
@@ -40,7 +41,7 @@ class Paced:
         free_at = self._small_free_at if self._is_small(air) else self._free_at
         return not self._small and not self._large and (self._rate is None or free_at <= now)
 
-    def put(self, number: int, held: Held, air: int) -> None:
+    def put(self, number: int | str, held: Held, air: int) -> None:
         """Let a sample wait that puts `air` bytes on the air."""
         key = held.to, held.key
         if self._is_small(air) and key not in self._large_keys:

@@ -120,7 +120,7 @@ def test_decided_samples_are_paced_while_links_are_busy(stack):
     busy = bench.fill()
     for i in range(3):
         bench.forward(i, bench.held("x" * 1000))
-    passing = bench.held("urgent")
+    passing = bench.held("urgent")._replace(key="urgent")
     bench.egress.start()
     wait_until(lambda: len(bench.posted) == 1, what="the first")
     bench.egress.pass_on("passed:no-spec", passing)
@@ -151,7 +151,7 @@ def test_passing_samples_do_not_wait_for_paced_ones(stack):
     bench.fill()
     for i in range(3):
         bench.forward(i, bench.held("x" * 1000))
-    passing = bench.held("urgent")
+    passing = bench.held("urgent")._replace(key="urgent")
     bench.egress.start()
     wait_until(lambda: len(bench.posted) == 1, what="the first")
     bench.egress.pass_on("passed:no-spec", passing)
@@ -161,6 +161,28 @@ def test_passing_samples_do_not_wait_for_paced_ones(stack):
     wait_until(lambda: reports.extend(bench.passed.take(0.0)) or reports, what="its count")
     (report,) = reports
     assert (report.reason, report.count, report.size) == ("passed:no-spec", 1, 6)
+
+
+def test_samples_of_a_key_stay_in_order_whichever_way_they_go(bench):
+    """In shadow what was decided against passes, and a deletion passes, too: neither overtakes, nor is overtaken."""
+    bench.fill()
+    for i in range(6):
+        held = bench.held(str(i))
+        if i % 2:
+            bench.forward(i, held)
+        else:
+            bench.egress.pass_on("passed:shadow", held)
+    bench.egress.start()
+    wait_until(lambda: len(bench.mine()) == 6, what="all of them")
+    assert bench.mine() == [str(i) for i in range(6)]
+    bench.forward(6, bench.held("6"))
+    bench.egress.pass_on("passed:shadow", bench.held("7"))
+    wait_until(lambda: len(bench.mine()) == 8, what="the last")
+    assert bench.mine()[6:] == ["6", "7"]
+    wait_until(lambda: bench.rooms.describe()["passing"]["samples"] == 0, what="room")
+    assert bench.egress.waiting == {"decided": 0, "passing": 0}
+    assert not bench.egress._deciding_keys
+    assert not bench.egress._passing_keys
 
 
 def test_passing_traffic_does_not_starve_decided_samples(stack):
