@@ -4,9 +4,10 @@ Samples are published at once, by whoever brings them, while all links surely ta
 that may be held up. What was forwarded by a decision is paced to the limit of the channel while
 links are busy, so that the queues behind us stay empty (`paced.py`); as soon as they are the next one goes, for what
 leaves later than it was decided is in another window than all believe. What passes goes as fast as it can and pushes
-the next decided sample back by what it used, up to a floor: decided samples are never starved. Samples of one key stay in order:
-whichever way a sample would go, it waits in the queue where one of its key waits. In shadow, on a link that was full, 10
-of 294 samples of a key were overtaken, and none is now.
+the next decided sample back by what it used, up to a floor: decided samples are never starved.
+
+Samples of one key stay in order: whichever way a sample would go, it waits in the queue where one of its key waits. In
+shadow, on a link that was full, 10 of 294 samples of a key were overtaken, and none is now.
 """
 
 import threading
