@@ -169,7 +169,7 @@ class Coordination:
             asked = split is not None and split.agreement.rivals
             self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
             if not self.team.votes_to_split:
-                self.hollow.advance(now, self._view, limits)
+                self.hollow.advance(now, self._view, limits, splits=self.team.splits)
             self.keeps = self.hollow.equal_part(self._view) if self.hollow.found(now) else 0.0
             self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
             if self._split is not None:

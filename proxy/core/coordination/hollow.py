@@ -3,8 +3,8 @@
 A robot is believed what it says of itself. One that lies could have all others leave it all room: by what it says to
 have sent, by samples that it never sends, by bids, by votes. Whatever the lie, it shows at who is harmed. Of what we
 generate much is not sent, we use less than an equal part, and still the channel is hardly used, as far as receivers
-confirm what is sent. Then we keep to an equal part for a while, and nothing that others say counts against it. The
-parts of all sum to the limit, so that is safe where the claims were true.
+confirm what is sent, though others claim something. Then we keep to an equal part for a while, and nothing that others
+say counts against it. The parts of all sum to the limit, so that is safe where the claims were true.
 
 Not where an operator asked for `split`, which holds whatever happens to news, nor where we find it due ourselves: of
 robots with samples of random sizes whose news took 300 ms parts left 65 % of the limit unused, and beside them equal
@@ -61,8 +61,8 @@ class Hollow:
         """Return an equal part: however many sessions have a robot's name, they are one."""
         return 1.0 / len({view.settings.robot, *(peer.name for peer in view.peers.values() if not peer.plain)})
 
-    def advance(self, now: float, view: SharedView, limits: Sequence[Limit]) -> None:
-        """Look at what became of claims since some windows ago, if it is time to."""
+    def advance(self, now: float, view: SharedView, limits: Sequence[Limit], *, splits: bool) -> None:
+        """Look at what became of claims since some windows ago, if it is time to; that the team `splits` is one."""
         shared = tuple(limit for limit in limits if limit.shared)
         if self.found(now) or not shared or not view.peers:
             self._before = None
@@ -76,7 +76,7 @@ class Hollow:
         if before is not None and now < before.at + longest and not _all_told(before, after, view):
             return
         self._before = after
-        if before is None or not _held_back(before, after):
+        if before is None or not _held_back(before, after) or not (splits or _claimed(before, after, now, view)):
             return
         equal = self.equal_part(view)
         ours, every = _use(before, after, view, shared, TUNING.hollow_untold * equal)
@@ -122,6 +122,18 @@ def _held_back(before: _Account, after: _Account) -> bool:
     both = [(before.streams[key], now) for key, now in after.streams.items() if key in before.streams]
     generated, sent = (sum((now[i] - then[i]) * now[2] for then, now in both) for i in (0, 1))
     return generated > 0 and sent < TUNING.hollow_sent * generated
+
+
+def _claimed(before: _Account, after: _Account, now: float, view: SharedView) -> bool:
+    """Whether others say that they sent anything, or have anything to send.
+
+    Where nobody does it is not for them that we sent little: a robot that 2,000 new keys had kept from deciding in time
+    used 40 % of the limit from then on, for minutes, though nobody else had anything to say.
+    """
+    known = before.claims.keys() & after.claims.keys()
+    if any(after.claims[name].counted[0] > before.claims[name].counted[0] for name in known):
+        return True
+    return any(stream.robot != view.settings.robot for stream in view.contention.all(now))
 
 
 def _use(

@@ -23,6 +23,13 @@ name = "camera"
 keys = ["camera/*"]
 utility = { kind = "video" }
 """
+BATTERY = """
+[[constraint]]
+kind = "energy"
+limit = "2.5 mJ"
+window = 0.5
+per_byte = "2 uJ"
+"""
 TAGS = {"a": "aa00000001", "b": "bb00000001", "c": "cc00000001"}
 SIZE, RATE, LIMIT, TAKES = 500, 50, 50_000, 0.01
 
@@ -148,6 +155,17 @@ def test_without_lies_nothing_is_hollow(specs):
     air = Air(specs)
     air.run(15.0)
     assert not air.found()
+
+
+def test_who_sends_little_for_reasons_of_its_own_is_wronged_by_nobody(tmp_path):
+    """A battery that is nearly empty is no lie of robots that have nothing to say."""
+    path = tmp_path / "spec.toml"
+    path.write_text(f"{SPECS}{BATTERY}")
+    air = Air(load_specs(path))
+    while air.now < 30.0:
+        air.run(air.now + 1.0)
+        assert not air.found()
+    assert air.rate(10.0) < 0.2 * LIMIT
 
 
 def test_who_asked_for_split_is_left_with_it(specs):
