@@ -46,3 +46,15 @@ def exchange(robot, count):
     wait_until(lambda: len(listener.numbers("local")) == total, what=f"all {total} local samples")
     assert listener.numbers("local") == list(range(total))
     assert max(sample["heard"] - sample["sent"] for sample in listener.heard("local")) < LATE
+
+
+def test_a_large_sample_takes_its_time(team):
+    """One of 1 MB needs 2.7 s of a radio with 3 Mbit/s, as between routers: no link is given up for that."""
+    robot, listening, _ = team()
+    robot.host.slow_down("3mbit")
+    heard = listening.hear("map")
+    robot.wait_wanted("map")
+    robot.say("map", size=1_000_000, rate=0.2, block=True)
+    wait_until(lambda: len(heard.numbers("map")) >= 2, 30, "two large samples")
+    assert heard.numbers("map")[:2] == [0, 1]
+    assert "left the mesh" not in robot.log()
