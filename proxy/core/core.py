@@ -219,9 +219,10 @@ class Core:
     def _advance(self, now: float, commands: list[Command]) -> list[Command]:
         """Go on with whatever can go on after an event; what one part says is passed on to the others.
 
-        Where not all overhear a sample its announcement goes before it, behind which it waited for as long as the sample
-        takes on the air: others sent meanwhile, and of the windows of five robots with samples of 1 to 40 kB, all
-        within 32 ms, up to 1.2 % were over the limit, by up to 1.16 times.
+        The announcement of a sample goes before it, behind which it waited for as long as the sample takes on the air:
+        others sent meanwhile. Over ns-3's Wi-Fi 5.0 and 7.2 % of the windows of four robots with cameras that broadcast
+        were over the limit, now 0 and 1.8; 0.9 % with small samples beside, by up to 1.39 times, now 0.2; in unicast
+        up to 2.3 % of five robots with samples of 1 to 40 kB, now 1.1.
         """
         urgent, commands, parts = False, [*commands], self._parts
         budget, channel, gossip, gate = parts.budget, parts.channel, parts.gossip, parts.gate
@@ -238,7 +239,7 @@ class Core:
         commands += gate.next(now)
         mode, relaxed = gate.appraisal.mode, gate.appraisal.all_fits and not channel.capacity.factors
         told = gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
-        return commands + told if announcements.overheard else told + commands
+        return told + commands
 
     def _tidy(self, now: float) -> list[Command]:
         """Forget what is too old, look for whom to leave out of the team, and say what was dropped unplanned."""

@@ -226,6 +226,11 @@ class Stream:
         self.overheard = False
         self.forwarded = max(self.forwarded, count if heard else count - 1)
 
+    def hear_told(self) -> None:
+        """The last sample that was sent is heard, of which it was known: the next one that is heard is another one."""
+        if self.sent is not None and self.sent.told:
+            self.sent = self.sent._replace(told=False)
+
     def reach(self, names: tuple[str, ...]) -> None:
         """Those robots were sent a sample; mostly they are the same as those before."""
         if names is not self._sent_to:
