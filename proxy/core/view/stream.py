@@ -284,11 +284,6 @@ class Stream:
         """Mean time between samples, long enough to make a rate of [s]."""
         return max(self.schedule.period, TUNING.least_period)
 
-    @property
-    def mean_interval(self) -> float:
-        """Mean interval between sends, or the period while unknown [s]."""
-        return self.interval or self.schedule.period
-
     def _outlined(self, outlook: Outlook, lead: int) -> Generated:
         last = self.newest
         values = outlook.expect(last.t_gen + lead * self.schedule.period)
