@@ -24,6 +24,8 @@ class CoordinationTuning:
     robots with equal messages of 1 Hz reached 92 to 97 % of a central decider at 20 to 300 ms (unicast, 0 to 9 % of
     windows over), and 50 to 81 at 1 s, where they changed over (15 to 21 % over); now 95 to 100 (0 to 1.4 % over) and
     85 to 92 (1.4 to 5.3)."""
+    seldom_news: float = 0.1
+    """Where samples that come seldom are overheard a team splits from this part of the shortest window on."""
     rhythm_time: float = 1.5
     """Who begins splits until it knows how often its large samples come: so long at most [s]."""
     dear_time: float = 2.0
