@@ -155,7 +155,7 @@ class DigestScheduler:
         if coordination.forming(now) and not self._parts_changed:
             return max(due, now + TUNING.slowest_digest)
         if self._sent_much():
-            return min(due, self._budget.due_ahead(now, TUNING.announcement_debt))
+            return min(due, self._announcements.tells_at(now))
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
         if self._parts_changed:
             return min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
