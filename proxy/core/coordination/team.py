@@ -181,13 +181,13 @@ class Team:
         uses = [(stream, use) for stream, use in sizes if changes_plans(use, limits)]
         own = [stream for stream, _ in uses]
         known = all(stream.schedule.period for stream in own)
-        late = now >= max((stream.began for stream in own), default=self._began) + TUNING.rhythm_time
-        self.rhythms_known |= late or (known and any(self._view.streams.own()))
+        began = max((stream.began for stream in own), default=self._began)
+        self.rhythms_known |= now >= began + TUNING.rhythm_time or (known and any(self._view.streams.own()))
         # Not where limits follow the channel, nor where samples are overheard: ten robots that broadcast equal messages
         # would reach 0 to 5 % less at 20 ms, and 16 to 24 % less where 30 % of all that is broadcast is lost.
         apt, broadcast = all(limit.least >= 1.0 for limit in limits), is_broadcast(self._view.settings.transport)
-        unknown = not self._view.staleness.known if broadcast else not self.rhythms_known
-        begins = apt and unknown and not self._others_plan_for_all()
+        heard = self._view.staleness.known or now >= began + TUNING.forming_time
+        begins = apt and not (heard if broadcast else self.rhythms_known) and not self._others_plan_for_all()
         still = TUNING.hysteresis if self.seldom else 1.0
         apt &= not broadcast or self.news_take(waiting) >= still * TUNING.seldom_news * shortest_window(limits)
         self.undecided = begins and not any(exceeds(TUNING.seldom_size, use, limits) for _, use in uses)
