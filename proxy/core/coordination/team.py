@@ -186,7 +186,7 @@ class Team:
         # Not where limits follow the channel, nor where samples are overheard: ten robots that broadcast equal messages
         # would reach 0 to 5 % less at 20 ms, and 16 to 24 % less where 30 % of all that is broadcast is lost.
         apt, broadcast = all(limit.least >= 1.0 for limit in limits), is_broadcast(self._view.settings.transport)
-        heard = self._view.staleness.known or now >= began + TUNING.forming_time
+        heard = self._view.staleness.known or now >= began + TUNING.ways_time
         begins = apt and not (heard if broadcast else self.rhythms_known) and not self._others_plan_for_all()
         still = TUNING.hysteresis if self.seldom else 1.0
         apt &= not broadcast or self.news_take(waiting) >= still * TUNING.seldom_news * shortest_window(limits)

@@ -28,6 +28,8 @@ class CoordinationTuning:
     """Where samples that come seldom are overheard a team splits from this part of the shortest window on."""
     rhythm_time: float = 1.5
     """Who begins splits until it knows how often its large samples come: so long at most [s]."""
+    ways_time: float = 10.0
+    """Who begins and broadcasts splits until it knows how long news take: so long at most [s]."""
     dear_time: float = 2.0
     """... a small team changes over when they have for so long [s]: what few samples say of sizes and rates varies."""
     hysteresis: float = 0.8
