@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Self
 
 from planner.utility import Floats, Ints, MessageUtility, Power
@@ -73,6 +73,7 @@ def integral(utility: MessageUtility, until: float) -> float:
     return float(utility.integral(np.zeros(1), np.full(1, until))[0])
 
 
+@lru_cache(maxsize=256)
 def initial(utility: MessageUtility) -> float:
     """Return the value at the age 0 [1/s]."""
     return _at(utility, 0.0)

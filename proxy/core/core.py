@@ -231,7 +231,8 @@ class Core:
         )
         budget.mute(announcements.due_at(now))
         commands += gate.next(now)
-        mode, relaxed = gate.appraisal.mode, gate.appraisal.all_fits and not channel.capacity.factors
+        mode, heeded = gate.appraisal.mode, not gate.appraisal.all_fits and parts.coordination.team.must_announce
+        relaxed = not (heeded or channel.capacity.factors)
         return commands + gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
 
     def _tidy(self, now: float) -> list[Command]:
