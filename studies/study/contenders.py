@@ -133,7 +133,11 @@ CONTENDERS = {
 """By name: those that fly."""
 BOUND, CENTRAL = "bound", "central"
 """Those that do not: the linear programme, and one decider who hears of everything at once."""
+RESERVE, STATIC = "reserve", "static"
+"""Of real traffic alone, and without ns-3, too: senders that do not plan, one for all, or each with its part."""
 TITLES = {name: each.title for name, each in CONTENDERS.items()} | {
     BOUND: "offline bound",
     CENTRAL: "one decides for all",
+    RESERVE: "greedy with a reserve",
+    STATIC: "fixed parts",
 }

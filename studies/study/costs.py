@@ -23,8 +23,15 @@ START = 1.5
 """What a process takes to start [s]."""
 
 
+REAL = {"bound": 0.02, "central": 0.02, "reserve": 0.005, "static": 0.005}
+REAL_USUAL = 0.06
+"""Of real traffic: processor time of one second of one robot [s]."""
+
+
 def expected(task: Task) -> float:
     """Return about how long a task takes on one core [s]."""
+    if task.workload:
+        return REAL.get(task.contender, REAL_USUAL) * task.robots * (task.seconds + 5.0)
     cost = COSTS.get(task.contender, USUAL_COST)
     size = task.robots / 10 * max(1.0, task.robots / 10) * (task.seconds + 10.0) / 110.0
     search = SEARCH * task.iterations / 300 + 1.0 - SEARCH

@@ -33,6 +33,8 @@ STYLES = {
     "fixed-rate": Style("#E69F00", "P", "-."),
     "age": Style("#009E73", "*", ":"),
     "receding": Style("#000000", "h", ":"),
+    "reserve": Style("#009E73", "v", "-."),
+    "static": Style("#CC79A7", "<", "-."),
 }
 """By contender."""
 OTHERS = (

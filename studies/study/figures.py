@@ -1,6 +1,7 @@
 """The figures of the study, drawn of its results."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,15 +9,20 @@ import numpy as np
 
 from studies.study.characteristic import BINS, LEVELS, Characteristic
 from studies.study.contenders import BOUND, TITLES
-from studies.study.drawing import OTHERS, STYLES, figure, framed, line
+from studies.study.drawing import OTHERS, STYLES, Style, figure, framed, line
 from studies.study.errors import StudyError
-from studies.study.measures import Curve, curve, gains_of, shares_by_limit, swept
-from studies.study.programme import SCENARIOS, Extent, Sweep
+from studies.study.measures import Curve, Spent, curve, gains_of, real_flights, shares_by_limit, spent, swept
+from studies.study.programme import CARRIED, REAL_OTHERS, REAL_TEAMS, SCENARIOS, Extent, Sweep
 from studies.study.results import Results
 
 LETTERS = dict(zip(SCENARIOS, "abc", strict=True))
 ECDF = 401
 """Points of an eCDF."""
+NETWORKS = {"infrastructure": "by unicast over an access point", "adhoc": "by broadcast, ad hoc"}
+SIDEWAYS = 0.12
+"""Marks of one workload stand so far apart."""
+ABOVE = 1.15
+"""So high, in parts of what they show, are axes that begin at nothing."""
 LEAST = 5.0
 """An axis of shares leaves so much room below what it shows [points]."""
 
@@ -90,7 +96,10 @@ def shares(results: Results, extent: Extent, folder: Path) -> str:
 def sweep_figure(results: Results, extent: Extent, sweep: Sweep, folder: Path) -> str:
     """Draw a sweep. Return its name."""
     name = f"study-{sweep.name}"
-    with figure(folder, name, 1, 1, (6.2, 4.0)) as (_, ((axes,),)):
+    with figure(folder, name, 3, 1, (6.2, 6.2), sharex=True, height_ratios=(4, 1, 1)) as (
+        _,
+        ((axes,), (times,), (use,)),
+    ):
         lowest = 100.0
         for style, (title, points) in zip(OTHERS, swept(results, extent, sweep).items(), strict=False):
             lowest = min([lowest, *(100 * mean.mean for mean in points.values())])
@@ -105,8 +114,56 @@ def sweep_figure(results: Results, extent: Extent, sweep: Sweep, folder: Path) -
             axes.minorticks_off()
         of = "the bound at the same latency" if sweep.of == "bound" else "the maximum"
         axes.set(ylabel=f"utility [% of {of}]", ylim=(max(0.0, lowest - LEAST), 101.5))
-        _titled(axes, sweep.title, sweep.axis)
+        _titled(axes, sweep.title, "")
         axes.legend(frameon=False, fontsize=8)
+        for style, what in zip(OTHERS, spent(results, extent, sweep).values(), strict=False):
+            _spent(times, use, style, what)
+        times.set(ylabel="decision\n[ms]")
+        use.set(ylabel="processor\n[%]", xlabel=sweep.axis)
+        for below in (times, use):
+            below.set_ylim(0.0, ABOVE * max(below.dataLim.y1, 1e-3))
+            framed(below)
+    return name
+
+
+def _spent(times: Any, use: Any, style: Style, points: dict[float, Spent]) -> None:
+    """Draw the median of decision times, as a bar up to the 95th percentile, and the processor time of a robot."""
+    timed = {x: what.decision for x, what in points.items() if what.decision is not None}
+    how: dict[str, Any] = {
+        "color": style.colour,
+        "marker": style.mark,
+        "linestyle": style.dashes,
+        "markersize": 4,
+        "markerfacecolor": "none",
+        "linewidth": 1.1,
+    }
+    if timed:
+        middles = [1000 * middle for middle, _ in timed.values()]
+        above = [1000 * max(late - middle, 0.0) for middle, late in timed.values()]
+        times.errorbar(list(timed), middles, yerr=([0.0] * len(above), above), elinewidth=0.7, capsize=2, **how)
+    use.plot(list(points), [100 * what.cpu for what in points.values()], **how)
+
+
+def real_figure(results: Results, extent: Extent, folder: Path) -> str:
+    """Draw what real traffic reaches over each network. Return its name."""
+    name = "study-real"
+    flights = real_flights(results, extent)
+    with figure(folder, name, 1, len(CARRIED), (9, 4.2), sharey="row") as (drawn, axes):
+        for column, carried in enumerate(CARRIED):
+            for place, contender in enumerate((*REAL_TEAMS, *REAL_OTHERS)):
+                network = carried if contender in REAL_TEAMS else CARRIED[0]
+                points = [
+                    (number + SIDEWAYS * (place - (len(REAL_TEAMS) + len(REAL_OTHERS) - 1) / 2), mean)
+                    for number, own in enumerate(flights.values())
+                    if (mean := results.mean(own.get((contender, network), ()), results.share)) is not None
+                ]
+                line(axes[0][column], replace(STYLES[contender], dashes=""), points, TITLES[contender])
+            names = [f"{workload}\n{robots} robots" for workload, robots in flights]
+            axes[0][column].set_xticks(range(len(names)), names, fontsize=8)
+            _titled(axes[0][column], f"over ns-3, {NETWORKS[carried]}", "")
+        axes[0][0].set(ylabel="utility [% of the bound]", ylim=(None, 101.5))
+        handles, labels = axes[0][0].get_legend_handles_labels()
+        drawn.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
     return name
 
 

@@ -20,6 +20,7 @@ from studies.study.characteristic import gains, of_runs
 from studies.study.contenders import BOUND, CENTRAL, CONTENDERS, Flown
 from studies.study.missions import mission_of, unlimited
 from studies.study.networks import network
+from studies.study.real_traffic import fly_real
 from studies.study.store import Record
 from studies.study.tasks import Task
 
@@ -39,7 +40,9 @@ def fly_one(task: Task) -> Record:
     time [s]. `network` says how the channel fared. Raises Ns3Unavailable and OracleUnavailable.
     """
     begin = process_time()
-    if task.contender == BOUND:
+    if task.workload:
+        record = fly_real(task)
+    elif task.contender == BOUND:
         record = _bounded(task)
     elif task.contender == CENTRAL:
         record = _central(task)

@@ -1,18 +1,31 @@
 """What figures and words of the study are made of: curves, shares, differences and gains."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from statistics import fmean
 
+from studies.simulation import conditions
+from studies.simulation.traffic import missions as traffic
 from studies.study.contenders import BOUND, CONTENDERS
-from studies.study.programme import COMPARED, Extent, Sweep, agreement_tasks, entered, main_tasks
+from studies.study.programme import COMPARED, Extent, Sweep, agreement_tasks, entered, main_tasks, real_tasks
 from studies.study.results import Mean, Results
 from studies.study.tasks import Task
 
 SATURATED = 0.995
 """Where less than this part of copies arrives on a channel that loses nothing by itself, the channel is saturated."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spent:
+    """Median and 95th percentile of decision times [s], if any was timed, and processor time of one robot [s/s].
+
+    Means over missions; the processor time is that of the whole flight, its network included.
+    """
+
+    decision: tuple[float, float] | None
+    cpu: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,14 +105,55 @@ def gains_of(results: Results, extent: Extent, scenario: str) -> list[float]:
 
 def swept(results: Results, extent: Extent, sweep: Sweep) -> dict[str, dict[float, Mean]]:
     """Return what each line of a sweep reaches at each of its points."""
-    lines: dict[str, dict[float, list[Task]]] = {}
-    for line, x, task in sweep.tasks(extent):
-        lines.setdefault(line.title, {}).setdefault(x, []).append(task)
+    lines = _lines(extent, sweep)
     what = results.share if sweep.of == "bound" else results.of_maximum
     found: dict[str, dict[float, Mean]] = {}
     for title, points in lines.items():
         means = {x: results.mean(tasks, what) for x, tasks in points.items()}
         found[title] = {x: mean for x, mean in means.items() if mean is not None}
+    return found
+
+
+def spent(results: Results, extent: Extent, sweep: Sweep) -> dict[str, dict[float, Spent]]:
+    """Return what each line of a sweep spends at each of its points."""
+    found: dict[str, dict[float, Spent]] = {}
+    for title, points in _lines(extent, sweep).items():
+        known = {x: what for x, tasks in points.items() if (what := spent_by(results, tasks)) is not None}
+        found[title] = known
+    return found
+
+
+def spent_by(results: Results, tasks: Iterable[Task]) -> Spent | None:
+    """Return what flights spent by the mean; None: none of them was flown."""
+    flown = [(task, record) for task in tasks if (record := results.record(task)) is not None]
+    if not flown:
+        return None
+    decided = [record["decision"] for _, record in flown if record["decision"]]
+    middle, late = (fmean(each[k] for each in decided) if decided else 0.0 for k in (0, 1))
+    cpu = fmean(record["cpu"] / task.robots / _flown_seconds(task) for task, record in flown)
+    return Spent((middle, late) if decided else None, cpu)
+
+
+def _flown_seconds(task: Task) -> float:
+    """Return how long a flight is, with its warm-up [s]."""
+    return task.seconds + (traffic.WARM_UP if task.workload else conditions.WARM_UP)
+
+
+def _lines(extent: Extent, sweep: Sweep) -> dict[str, dict[float, list[Task]]]:
+    """Return the flights of a sweep by line and by place on the axis."""
+    lines: dict[str, dict[float, list[Task]]] = {}
+    for line, x, task in sweep.tasks(extent):
+        lines.setdefault(line.title, {}).setdefault(x, []).append(task)
+    return lines
+
+
+def real_flights(results: Results, extent: Extent) -> dict[tuple[str, int], dict[tuple[str, str], list[Task]]]:
+    """Return the flights of real traffic that were flown, by workload and robots, then by contender and network."""
+    found: dict[tuple[str, int], dict[tuple[str, str], list[Task]]] = {}
+    for task in real_tasks(extent):
+        if results.share(task) is not None:
+            flights = found.setdefault((task.workload, task.robots), {})
+            flights.setdefault((task.contender, task.network), []).append(task)
     return found
 
 

@@ -10,10 +10,10 @@ from studies.benchmarks.report import Table, machine
 from studies.study import figures, words
 from studies.study.characteristic import Characteristic
 from studies.study.contenders import BOUND
-from studies.study.measures import curve, gains_of, shares_by_limit, swept
+from studies.study.measures import curve, gains_of, real_flights, shares_by_limit, spent, swept
 from studies.study.programme import SCENARIOS, Extent, everything, sweeps
 from studies.study.results import Mean, Results
-from studies.study.tables import agreement_table, contender_tables, cost_table
+from studies.study.tables import agreement_table, contender_tables, cost_table, real_table
 
 FIGURES = "results"
 """The folder of figures beside the page."""
@@ -45,12 +45,18 @@ def _sections(results: Results, extent: Extent, folder: Path, now: datetime) -> 
     yield "## Beyond"
     yield (
         f"Of the scenario mixed, {extent.sweep_seeds} missions of {extent.sweep_seconds:g} s for each point, five"
-        " messages in 2.5 s where nothing else is said; bars are 95 % confidence intervals, wide of few missions."
+        " messages in 2.5 s where nothing else is said; bars are 95 % confidence intervals, wide of few missions. Below"
+        " the utility stand the time of a decision, the median with a bar up to the 95th percentile, and the part of a"
+        " processor that one robot took in the flight's time, the network's simulation included."
     )
     for sweep in sweeps(extent):
         if any(swept(results, extent, sweep).values()):
             yield _picture(figures.sweep_figure(results, extent, sweep, folder), sweep.title)
             yield words.sweep(results, extent, sweep)
+    yield "## Real traffic"
+    yield from words.real_traffic(results, extent)
+    yield _picture(figures.real_figure(results, extent, folder), "Real traffic over each network")
+    yield _section(real_table(results, extent))
     yield "## Beside the paper"
     yield from words.beside_the_paper(results, extent)
 
@@ -79,6 +85,23 @@ def _data(results: Results, extent: Extent, now: datetime) -> dict[str, Any]:
                 for title, points in swept(results, extent, sweep).items()
             }
             for sweep in sweeps(extent)
+        },
+        "spent": {
+            sweep.name: {
+                title: [
+                    {"x": x, "decision": what.decision, "processor": round(what.cpu, 6)} for x, what in points.items()
+                ]
+                for title, points in spent(results, extent, sweep).items()
+            }
+            for sweep in sweeps(extent)
+        },
+        "real": {
+            f"{workload}:{robots}": [
+                {"contender": contender, "network": network} | _plain(mean)
+                for (contender, network), tasks in flights.items()
+                if (mean := results.mean(tasks, results.share)) is not None
+            ]
+            for (workload, robots), flights in real_flights(results, extent).items()
         },
     }
 

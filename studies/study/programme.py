@@ -6,8 +6,8 @@ from itertools import product
 from typing import Any, Literal
 
 from studies.ns3.network import USUAL
-from studies.study.contenders import BOUND, CENTRAL, CONTENDERS
-from studies.study.tasks import ITERATIONS, Task
+from studies.study.contenders import BOUND, CENTRAL, CONTENDERS, RESERVE, STATIC
+from studies.study.tasks import ITERATIONS, REAL_TRAFFIC, Task
 
 SCENARIOS = {"most": "most important", "mixed": "mixed", "few": "few important"}
 """As they are called, in the order of Fig. 3: (a), (b), (c)."""
@@ -20,11 +20,18 @@ COMPARED: dict[str, dict[str, Any]] = {
     "own, unicast": {"network": "own", "unicast": True},
 }
 """Ways to carry the same missions: ns-3's first, then our own medium in its place."""
+CARRIED = ("infrastructure", "adhoc")
+"""Of these, those that carry real traffic."""
+REAL_TEAMS, REAL_OTHERS = ("best", "paper"), (CENTRAL, RESERVE, STATIC)
+"""Who flies real traffic over ns-3, and what that is compared with: for those all take the network's usual delay."""
 
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """How much is flown: limits in messages per 2.5 s, probabilities, missions of each kind, seconds."""
+    """How much is flown: limits in messages per 2.5 s, probabilities, missions of each kind, seconds.
+
+    `real` are workloads of real traffic, each with its number of robots.
+    """
 
     name: str
     limits: tuple[float, ...]
@@ -37,6 +44,15 @@ class Extent:
     sweep_seconds: float
     agreement_limits: tuple[float, ...]
     agreement_seeds: int
+    real: tuple[tuple[str, int], ...] = (
+        ("mixed", 4),
+        ("random", 5),
+        ("cameras", 4),
+        ("cameras-current", 4),
+        ("crowd", 12),
+    )
+    real_seeds: int = 3
+    real_seconds: float = 30.0
     contenders: tuple[str, ...] = ()
     sweeps: tuple[str, ...] | None = None
     points: int = 100
@@ -72,6 +88,8 @@ REDUCED = Extent(
     sweep_seconds=20.0,
     agreement_limits=(2.0, 5.0, 10.0),
     agreement_seeds=2,
+    real_seeds=2,
+    real_seconds=20.0,
 )
 QUICK = Extent(
     "quick",
@@ -85,6 +103,9 @@ QUICK = Extent(
     sweep_seconds=15.0,
     agreement_limits=(5.0,),
     agreement_seeds=1,
+    real=(("random", 5),),
+    real_seeds=1,
+    real_seconds=5.0,
     contenders=("best", "paper", "random", "greedy"),
     sweeps=("loss",),
     points=2,
@@ -241,6 +262,21 @@ def agreement_tasks(extent: Extent) -> list[tuple[str, Task]]:
     ]
 
 
+def real_tasks(extent: Extent) -> list[Task]:
+    """Return the flights of real traffic, without their bounds."""
+    found = []
+    for (workload, robots), seed in product(extent.real, range(extent.real_seeds)):
+        plain = Task("", f"{REAL_TRAFFIC}{workload}", 0.0, seed, robots=robots, seconds=extent.real_seconds)
+        found += [
+            entered(name, plain).but(**COMPARED[network])
+            for network in CARRIED
+            for name in REAL_TEAMS
+            if name in extent.flying
+        ]
+        found += [plain.but(contender=name, **COMPARED[CARRIED[0]]) for name in REAL_OTHERS]
+    return found
+
+
 def sweeps(extent: Extent) -> list[Sweep]:
     """Return the sweeps that are flown."""
     return [sweep for sweep in SWEEPS if extent.sweeps is None or sweep.name in extent.sweeps]
@@ -267,7 +303,15 @@ def bound_of(task: Task) -> Task:
 def everything(extent: Extent) -> list[Task]:
     """Return all flights of the study, each once, mission by mission: what is interrupted has some of everything."""
     compared = [task for _, task in agreement_tasks(extent)]
-    tasks = [*main_tasks(extent), *compared, *map(bound_of, compared), *sweep_tasks(extent)]
+    real = real_tasks(extent)
+    tasks = [
+        *main_tasks(extent),
+        *compared,
+        *map(bound_of, compared),
+        *sweep_tasks(extent),
+        *real,
+        *map(bound_of, real),
+    ]
     return sorted({task.key: task for task in map(normal, tasks)}.values(), key=lambda task: task.seed)
 
 

@@ -5,11 +5,12 @@ from statistics import fmean
 
 from studies.benchmarks.report import Table
 from studies.study.contenders import TITLES
-from studies.study.measures import agreement, by_level, shares_by_limit
-from studies.study.programme import COMPARED, SCENARIOS, Extent
+from studies.study.measures import agreement, by_level, real_flights, shares_by_limit, spent_by
+from studies.study.programme import COMPARED, REAL_TEAMS, SCENARIOS, Extent
 from studies.study.results import Results
 
 NONE = "–"
+NETWORK_NAMES = {"infrastructure": "access point", "adhoc": "ad hoc"}
 
 
 def contender_tables(results: Results, extent: Extent) -> Iterator[Table]:
@@ -53,6 +54,55 @@ def cost_table(results: Results, extent: Extent) -> Table:
         "Means over all flights: median and 95th percentile of the time of a decision, processor time of a whole flight"
         " (the network's included), what a robot tells others, windows that hold more messages than the limit, and the"
         " fullest window as a part of the limit. Other flights ran at the same time.",
+    )
+
+
+def real_table(results: Results, extent: Extent) -> Table:
+    """Return what real traffic reaches over each network, what became of it, and what it takes."""
+    rows = []
+    for (workload, robots), flights in real_flights(results, extent).items():
+        for (contender, network), tasks in flights.items():
+            share = results.mean(tasks, results.share)
+            records = [record for task in tasks if (record := results.record(task)) is not None]
+            used = spent_by(results, tasks)
+            if share is None or used is None:
+                continue
+            ages = [record["age"] for record in records]
+            has_small = any(any(each) for each in ages)
+            small = f"{100 * fmean(record['small'] for record in records):.1f}" if has_small else NONE
+            age = " / ".join(f"{1000 * fmean(each[k] for each in ages):.1f}" for k in (0, 1)) if has_small else NONE
+            times = " / ".join(f"{1000 * each:.2g}" for each in used.decision) if used.decision else NONE
+            rows.append(
+                (
+                    f"{workload}, {robots} robots: {TITLES[contender]}",
+                    NETWORK_NAMES[network] if contender in REAL_TEAMS else NONE,
+                    share.percent(),
+                    f"{100 * fmean(record['over'] for record in records):.1f}",
+                    f"{max(record['worst'] for record in records):.2f}",
+                    small,
+                    age,
+                    times,
+                    f"{100 * used.cpu:.1f}" if contender in REAL_TEAMS else NONE,
+                )
+            )
+    return Table(
+        "What real traffic reaches",
+        (
+            "workload and contender",
+            "network",
+            "of the bound [%]",
+            "over [%]",
+            "fullest",
+            "small [%]",
+            "their age [ms]",
+            "decision [ms]",
+            "processor [%]",
+        ),
+        tuple(rows),
+        "Utility of the operator as a share of the bound, for which samples take 4 ms; windows over the limit and the"
+        " fullest, in limits; small samples that came, and their age then (median / 95th percentile); decision times"
+        " (median / 95th percentile), and the part of a processor that one robot took, the network's included. Who does"
+        " not plan, and who decides for all, knows everything at once, and takes 4 ms for a sample.",
     )
 
 

@@ -15,6 +15,8 @@ Aggregations = Literal["most_recent", "sum", "mixed"]
 MISSION = ("scenario", "level", "seed", "robots", "seconds", "latency", "window", "generation", "aggregation")
 """Fields that say which mission is flown: contenders with the same ones can be compared with its bound."""
 
+REAL_TRAFFIC = "real-"
+"""So scenarios begin that are a workload of what robots really send; its name follows."""
 ITERATIONS = 300
 """Of a search, where nothing else is said."""
 REAL = ("level", "seconds", "latency", "loss", "window", "exploration", "background")
@@ -22,7 +24,7 @@ REAL = ("level", "seconds", "latency", "loss", "window", "exploration", "backgro
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A contender flies a mission of §4.2 for `seconds` after the warm-up.
+    """A contender flies a mission of §4.2, or one of real traffic, for `seconds` after the warm-up.
 
     `level` is the limit in messages per 2.5 s whatever the `window` is [s] or, of contenders that know no limit, the
     probability to send. In `unicast` an operator wants everything, else every robot does, and all broadcast. `latency`
@@ -57,6 +59,11 @@ class Task:
         """Return what the store knows it by: a hash of everything that matters, and of the version of the study."""
         text = json.dumps([VERSION, self.as_dict()], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:20]
+
+    @property
+    def workload(self) -> str:
+        """Return the workload of real traffic that is flown, which has a limit of its own; empty: none."""
+        return self.scenario.removeprefix(REAL_TRAFFIC) if self.scenario.startswith(REAL_TRAFFIC) else ""
 
     @property
     def mission(self) -> tuple[Any, ...]:

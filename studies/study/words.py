@@ -13,11 +13,12 @@ from studies.study.measures import (
     by_level,
     curve,
     gains_of,
+    real_flights,
     saturated,
     shares_by_limit,
     swept,
 )
-from studies.study.programme import SCENARIOS, Extent, Sweep, everything
+from studies.study.programme import REAL_OTHERS, SCENARIOS, Extent, Sweep, everything
 from studies.study.results import Results
 
 GOAL = 0.95
@@ -136,6 +137,33 @@ def sweep(results: Results, extent: Extent, varied: Sweep) -> str:
             said += f"; between {begin:g} and {end:g} it moves by {100 * (max(within) - min(within)):.1f} points"
         lines.append(f"*{title}*: {said}.")
     return " ".join(lines)
+
+
+def real_traffic(results: Results, extent: Extent) -> Iterator[str]:
+    """Say what real traffic reaches, and beside whom."""
+    yield (
+        f"What robots really send, in missions of {extent.real_seconds:g} s ({extent.real_seeds} of each). *Mixed* is"
+        " a camera of 26 kB at 10 Hz beside odometry, telemetry, a log and alarms, *random* samples of 1 to 40 kB at"
+        " any time, each with 1 Mbit/s for all; *cameras* see red now and then, with 2.7 Mbit/s, and in"
+        " *cameras-current* it costs to show what is no longer there; *crowd* are small streams of all rates. The bound"
+        " is the linear programme with all small samples sent."
+    )
+    for network, what in (("infrastructure", "By unicast over an access point"), ("adhoc", "By broadcast, ad hoc")):
+        said = []
+        for (workload, _), flights in real_flights(results, extent).items():
+            best = results.mean(flights.get(("best", network), ()), results.share)
+            if best is None:
+                continue
+            others = {
+                name: mean
+                for (name, of), tasks in flights.items()
+                if name != "best" and (of == network or name in REAL_OTHERS)
+                if (mean := results.mean(tasks, results.share)) is not None
+            }
+            beside = ", ".join(f"{TITLES[name]} {mean.percent()}" for name, mean in others.items())
+            said.append(f"{best.percent()} % of the bound in *{workload}* ({beside})")
+        if said:
+            yield f"{what} best mode reaches {'; '.join(said)}."
 
 
 def beside_the_paper(results: Results, extent: Extent) -> Iterator[str]:

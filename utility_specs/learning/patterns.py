@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import zenoh
 
+from utility_specs.key_formats import MOST_WILD
 from utility_specs.learning.formats import ros_topic
 from utility_specs.learning.stream import Stream
 
@@ -149,6 +150,8 @@ def _kind(group: Sequence[Stream], others: Iterable[str], robots: Collection[str
     keys, yields = each[:MOST_KEYS], False
     for wildcard in (_numbered, _any):  # the second is the wider one
         text = "/".join(wildcard(c) if d else c[0] for c, d in zip(chunks, differ, strict=True))
+        if text.count("$*") > MOST_WILD:
+            continue
         pattern = zenoh.KeyExpr(text)
         alone = not any(map(pattern.includes, taken))
         if all(map(pattern.includes, own)) and (alone or len(each) > MOST_KEYS):

@@ -100,7 +100,8 @@ class Overhearing:
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + TUNING.same_sample
         t_gen = on_air if t_gen is None else min(t_gen, now)
-        if stream.sent is not None and t_gen < stream.sent.t_sent + _apart(stream, stream.sent):
+        if stream.sent is not None and t_gen < stream.sent.t_sent + _apart(stream, stream.sent, event.size):
+            stream.hear_told()
             return
         features = event.features or {}
         scale = stream.information_type.scale(features) if features else stream.last.scale
@@ -128,6 +129,8 @@ class Overhearing:
         return stream
 
 
-def _apart(stream: Stream, sent: Sent) -> float:
-    """How much later than a send a sample was generated at least that is another one [s]."""
-    return max(TUNING.same_sample, TUNING.told_sample * stream.period) if sent.told else TUNING.same_sample
+def _apart(stream: Stream, sent: Sent, size: int) -> float:
+    """How much later than a send a sample of a `size` [B] was generated at least that is another one [s]."""
+    if not sent.told:
+        return TUNING.same_sample
+    return max(TUNING.told_sample * stream.period, TUNING.same_size if size == sent.size else TUNING.same_sample)

@@ -226,6 +226,11 @@ class Stream:
         self.overheard = False
         self.forwarded = max(self.forwarded, count if heard else count - 1)
 
+    def hear_told(self) -> None:
+        """The last sample that was sent is heard, of which it was known: the next one that is heard is another one."""
+        if self.sent is not None and self.sent.told:
+            self.sent = self.sent._replace(told=False)
+
     def reach(self, names: tuple[str, ...]) -> None:
         """Those robots were sent a sample; mostly they are the same as those before."""
         if names is not self._sent_to:
@@ -278,11 +283,6 @@ class Stream:
     def period(self) -> float:
         """Mean time between samples, long enough to make a rate of [s]."""
         return max(self.schedule.period, TUNING.least_period)
-
-    @property
-    def mean_interval(self) -> float:
-        """Mean interval between sends, or the period while unknown [s]."""
-        return self.interval or self.schedule.period
 
     def _outlined(self, outlook: Outlook, lead: int) -> Generated:
         last = self.newest

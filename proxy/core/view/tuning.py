@@ -110,8 +110,11 @@ class ViewTuning:
     """A sample that was generated so much after the last one was sent is another one [s]."""
     told_sample: float = 0.25
     """One that seems to have been generated sooner than this part of the period after a send that was told and not
-    heard yet is that one, however late it is: over ns-3, where digests overtook their samples, such a sample counted
+    heard yet is that one, however late it is: over ns-3, where digests overtake their samples, such a sample counted
     twice, which cost ten robots with equal messages 5 % of utility."""
+    same_size: float = 0.1
+    """So is one of the same size that seems to have been generated so soon after [s]: of four robots with cameras that
+    broadcast up to 5 % of the windows were over the limit without it."""
     least_period: float = 1e-3
     """Streams are taken to generate no faster than so [s]."""
     leads: tuple[int, ...] = (1, 4)

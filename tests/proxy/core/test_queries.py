@@ -150,7 +150,7 @@ def queries(core, now):
         schedule = stream.schedule
         yield "schedule", lambda s=schedule: (s.period, s.jitter, s.kind, s.rhythm, s.last, s.timeout, s.prospect())
         yield "forecast", lambda s=schedule: (s.over(now), s.forecast(now, now + 5.0, 5), s.forecast(0.0, now, 9, now))
-        yield "stream", lambda s=stream: (s.mean_interval, s.forecasts, s.expected(now) if s.last else None)
+        yield "stream", lambda s=stream: (s.forecasts, s.expected(now) if s.last else None)
     yield (
         "coordination",
         lambda: (core.coordination.team.splits, core.coordination.due_at(now), core.coordination.settled),

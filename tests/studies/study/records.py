@@ -19,6 +19,8 @@ def record(*, utility=50.0, maximum=100.0, sent=20, generated=100, arrived=1.0, 
         "decision": [0.001, 0.005],
         "network": {"arrived": arrived, "delay": [0.004, 0.005], "offered": 5000.0},
         "cpu": 5.0,
+        "small": 0.99,
+        "age": [0.001, 0.002],
     }
     return found if gains is None else found | {"gains": gains}
 

@@ -48,6 +48,29 @@ def test_an_operator_receives_where_messages_go_to_one():
     assert found["received"] == pytest.approx(found["sent"])
 
 
+REAL = Task("best", "real-random", 0.0, 0, network="own", unicast=True, robots=3, seconds=6.0, iterations=30)
+
+
+@pytest.mark.parametrize("contender", ["best", "central", "reserve", "static"])
+def test_real_traffic_is_flown_below_its_bound(contender):
+    """By a team, by one for all, and by those who do not plan; nobody who knows all exceeds the limit."""
+    found, bound = fly_one(REAL.but(contender=contender)), fly_one(bound_of(REAL))
+    assert json.loads(json.dumps(found)) == found
+    assert 0.2 * bound["utility"] < found["utility"] <= bound["utility"] * (1 + 1e-6)
+    assert bound["utility"] < found["maximum"] == bound["maximum"]
+    assert found["received"] <= found["sent"] < found["generated"]
+    assert found["worst"] <= (1.5 if contender == "best" else 1.0)
+    assert bool(found["decision"]) == (contender == "best")
+
+
+def test_small_samples_of_real_traffic_arrive():
+    """Soon, whatever becomes of images."""
+    found = fly_one(REAL.but(scenario="real-mixed", robots=2, network="own"))
+    assert found["small"] == found["alarms"] == 1.0
+    assert found["age"][0] < 0.01
+    assert found["sent"] < found["generated"]
+
+
 def test_missions_are_changed_in_what_the_task_says_alone():
     """So many messages of the same worth, at other times, in other windows, of other streams."""
     plain = mission_of(TASK).problem

@@ -102,6 +102,13 @@ def test_chunks_that_wildcards_leave_out_are_named():
     assert keys_of(sent("a/@1/b"), sent("a/@2/b")) == [("a/@1/b", "a/@2/b")]
 
 
+def test_no_pattern_has_more_wild_numbers_than_specs_may():
+    """What differs more often is any chunk, or the keys stand as they are."""
+    assert keys_of(sent("a1b2c3d4/pose"), sent("a5b6c7d8/pose")) == [("*/pose",)]
+    found = keys_of(sent("r1/r1/r1/r1"), sent("r2/r2/r2/r2"), sent("a/a/a/a", POSE))
+    assert found == [("a/a/a/a",), ("r1/r1/r1/r1", "r2/r2/r2/r2")]
+
+
 def test_words_tell_what_it_is():
     """Those after the last chunk that differs; without any, the last one."""
     (kind,) = kinds_of(streams_of(sent("robot/r1/arm/front"), sent("robot/r2/arm/front")))

@@ -88,6 +88,16 @@ def test_what_takes_much_of_a_limit_is_announced_when_it_is_sent(talk):
     assert any(digest.brief for digest in digests(talk, 5.2))
 
 
+def test_an_announcement_goes_before_its_sample(talk):
+    """On the air it would wait behind it, and others send meanwhile."""
+    sample, commands = talk.publish(5.2, size=1500)
+    for decide in only(commands, Decide):
+        commands = talk.answer(5.203, decide, send=True)
+    (told,) = only(commands, SendDigest)
+    assert told.digest.brief
+    assert commands.index(told) < commands.index(Forward(sample))
+
+
 @pytest.mark.parametrize("echoed", [False, True])
 def test_a_robot_that_nobody_echoed_yet_is_echoed_where_else_an_announcement_would_do(talk, echoed):
     """Until then it cannot know how long news take; what was sent is told with it, as soon."""

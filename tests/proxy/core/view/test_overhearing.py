@@ -56,6 +56,27 @@ def test_a_sample_that_its_digest_overtook_counts_once_however_late_it_comes(mak
     assert len(view.traffic.sent_since(4.5)) == sends
 
 
+@pytest.mark.parametrize(("size", "sends"), [(30_000, 1), (29_000, 2)])
+def test_a_sample_of_a_fast_stream_may_be_later_than_the_next_one_if_it_has_the_size_that_was_told(
+    make_specs, size, sends
+):
+    """It waits on the air behind others; one that comes after it counts in any case."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 0.1),)))
+    name = next(iter(view.peers))
+    for number in range(1, 11):
+        now = 0.1 * number
+        told = StreamDigest(1, number, number, now - 0.001, now - 0.001, 30_000, 1.0)
+        view.heard_digest(now, Digest("r2", name, now - 0.001, 0, 0, (told,)))
+        if number < 10:
+            view.overhearing.take(SampleHeard(now, CAMERA, 30_000, "z-r2", None, None))
+    view.overhearing.take(SampleHeard(1.06, CAMERA, size, "z-r2", None, None))
+    assert view.streams.known("r2", CAMERA).forwarded == 9 + sends
+    view.overhearing.take(SampleHeard(1.09, CAMERA, 30_000, "z-r2", None, None))
+    assert view.streams.known("r2", CAMERA).forwarded == 10 + sends
+
+
 @pytest.mark.parametrize("told_at", [5.0, 5.6])
 def test_a_stream_is_known_from_the_air_before_any_digest_tells_of_it(make_specs, told_at):
     """What it sent before nobody knows; what was heard and what is told of it then counts once."""
