@@ -116,7 +116,7 @@ class DigestScheduler:
     def advance(self, now: float, *, urgent: bool, parts_changed: bool, relaxed: bool) -> list[Command]:
         """Send a digest if one is due; the channel may be `urgent` news, or what we ask for of the limits be new.
 
-        `relaxed`: there is room for all.
+        `relaxed`: nobody plans with it, as there is room for all or nobody else sends.
         """
         self.urgent |= urgent
         self._apart = TUNING.relaxed if relaxed else 0.0

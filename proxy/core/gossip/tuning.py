@@ -72,9 +72,9 @@ class GossipTuning:
     slowest_digest: float = 1.0
     """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
     relaxed: float = 0.1
-    """Where there is room for all, ordinary news are so far apart at least [s]: a digest for each of 200 small samples
-    per second took half of the sender's time, and more than half of the receiver's. Where limits follow the channel
-    digests tell of it, and go on."""
+    """Where there is room for all, or nobody else sends, ordinary news are so far apart at least [s]: a digest for each
+    of 200 small samples per second took half of the sender's time, and more than half of the receiver's. Where limits
+    follow the channel digests tell of it, and go on."""
     digests_apart: float = 1e-3
     """Two digests are so far apart at least [s]: each is told from the others by its time."""
     parts_apart: float = 0.05
