@@ -1,9 +1,9 @@
 """How a message utility goes by: its value when fresh, its half life, and when it is over."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from functools import cache
-from typing import Self
+from functools import cache, lru_cache
+from typing import Any, Self, cast
 
 from planner.utility import Floats, Ints, MessageUtility, Power
 
@@ -74,7 +74,12 @@ def integral(utility: MessageUtility, until: float) -> float:
 
 
 def initial(utility: MessageUtility) -> float:
-    """Return the value at the age 0 [1/s]."""
+    """Return the value at the age 0 [1/s]; it is kept, for each decision asks for it."""
+    return _initial(cast("Hashable", utility))
+
+
+@lru_cache(maxsize=256)
+def _initial(utility: Any) -> float:
     return _at(utility, 0.0)
 
 

@@ -237,7 +237,8 @@ class Core:
         )
         budget.mute(announcements.due_at(now))
         commands += gate.next(now)
-        mode, relaxed = gate.appraisal.mode, gate.appraisal.all_fits and not channel.capacity.factors
+        mode, heeded = gate.appraisal.mode, not gate.appraisal.all_fits and parts.coordination.team.must_announce
+        relaxed = not (heeded or channel.capacity.factors)
         told = gossip.advance(now, mode, urgent=urgent, parts_changed=parts_changed, relaxed=relaxed)
         return told + commands
 

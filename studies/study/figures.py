@@ -151,17 +151,16 @@ def real_figure(results: Results, extent: Extent, folder: Path) -> str:
     with figure(folder, name, 1, len(CARRIED), (9, 4.2), sharey="row") as (drawn, axes):
         for column, carried in enumerate(CARRIED):
             for place, contender in enumerate((*REAL_TEAMS, *REAL_OTHERS)):
-                network = carried if contender in REAL_TEAMS else CARRIED[0]
                 points = [
                     (number + SIDEWAYS * (place - (len(REAL_TEAMS) + len(REAL_OTHERS) - 1) / 2), mean)
                     for number, own in enumerate(flights.values())
-                    if (mean := results.mean(own.get((contender, network), ()), results.share)) is not None
+                    if (mean := results.mean(own.get((contender, carried), ()), results.share)) is not None
                 ]
                 line(axes[0][column], replace(STYLES[contender], dashes=""), points, TITLES[contender])
             names = [f"{workload}\n{robots} robots" for workload, robots in flights]
             axes[0][column].set_xticks(range(len(names)), names, fontsize=8)
             _titled(axes[0][column], f"over ns-3, {NETWORKS[carried]}", "")
-        axes[0][0].set(ylabel="utility [% of the bound]", ylim=(None, 101.5))
+        axes[0][0].set(ylabel="utility [% of the bound at the same latency]", ylim=(None, 101.5))
         handles, labels = axes[0][0].get_legend_handles_labels()
         drawn.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
     return name

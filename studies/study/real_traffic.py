@@ -1,10 +1,12 @@
 """What robots really send (`studies/simulation/traffic`), flown over the networks of the study."""
 
+from dataclasses import replace
 from statistics import fmean, median
 from typing import Any
 
 import numpy as np
 
+from planner import Message
 from studies.simulation.missions import OPERATOR
 from studies.simulation.scores import scored
 from studies.simulation.traffic.baselines import Simple
@@ -14,11 +16,13 @@ from studies.simulation.traffic.missions import WARM_UP, Mission, draw
 from studies.simulation.traffic.plan import bound
 from studies.simulation.traffic.scores import Flight, score, worth
 from studies.study.contenders import BOUND, CENTRAL, CONTENDERS, RESERVE, STATIC
-from studies.study.networks import network, usual_delay
+from studies.study.networks import network, own_rate
 from studies.study.store import Record
 from studies.study.tasks import Task
 
 SENDERS = {RESERVE: SIMPLE["greedy"], STATIC: SIMPLE["static"]}
+QUICK = 0.0005
+"""What the smallest sample takes on ns-3's channels [s]; the others take the longer the larger they are."""
 LATE = 0.95
 """The quantile that is kept beside the median."""
 
@@ -32,7 +36,13 @@ def fly_real(task: Task) -> Record:
     mission = mission_of(task)
     if task.contender == BOUND:
         return _bounded(task, mission)
-    how = How(latency=usual_delay(task), loss=0.0, iterations=task.iterations)
+    how = How(
+        transport="unicast" if task.unicast else "broadcast",
+        latency=task.latency + QUICK,
+        loss=0.0,
+        iterations=task.iterations,
+        rate=own_rate(task),
+    )
     if task.contender == CENTRAL:
         return _record(*fly_alone(mission, how, task.seed), decided=())
     if task.contender in SENDERS:
@@ -45,9 +55,15 @@ def fly_real(task: Task) -> Record:
 
 
 def mission_of(task: Task) -> Mission:
-    """Draw the mission: the same traffic for all contenders and networks."""
-    seconds = WARM_UP + task.seconds
-    return draw(task.workload, task.robots, task.seed, seconds, latency=usual_delay(task), everybody=not task.unicast)
+    """Draw the mission: the same traffic for all contenders; samples take as long as they usually do on the network."""
+    seconds, rate = WARM_UP + task.seconds, own_rate(task)
+    drawn = draw(task.workload, task.robots, task.seed, seconds, latency=0.0, everybody=not task.unicast)
+    messages: list[Message] = []
+    last: dict[int, float] = {}
+    for m in drawn.problem.messages:  # those of a stream come in order
+        last[m.stream] = max(m.t_gen + task.latency + QUICK + m.use[0] / rate, last.get(m.stream, 0.0))
+        messages.append(m._replace(t_rcv=last[m.stream]))
+    return replace(drawn, problem=replace(drawn.problem, messages=tuple(messages)))
 
 
 def _record(mission: Mission, flight: Flight, *, decided: Any) -> Record:

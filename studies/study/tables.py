@@ -75,7 +75,7 @@ def real_table(results: Results, extent: Extent) -> Table:
             rows.append(
                 (
                     f"{workload}, {robots} robots: {TITLES[contender]}",
-                    NETWORK_NAMES[network] if contender in REAL_TEAMS else NONE,
+                    NETWORK_NAMES[network],
                     share.percent(),
                     f"{100 * fmean(record['over'] for record in records):.1f}",
                     f"{max(record['worst'] for record in records):.2f}",
@@ -99,10 +99,10 @@ def real_table(results: Results, extent: Extent) -> Table:
             "processor [%]",
         ),
         tuple(rows),
-        "Utility of the operator as a share of the bound, for which samples take 4 ms; windows over the limit and the"
+        "Utility of the operator as a share of the bound at the latency of the network; windows over the limit and the"
         " fullest, in limits; small samples that came, and their age then (median / 95th percentile); decision times"
         " (median / 95th percentile), and the part of a processor that one robot took, the network's included. Who does"
-        " not plan, and who decides for all, knows everything at once, and takes 4 ms for a sample.",
+        " not plan, or decides for all, knows of everything at once, over a medium of our own that is as quick.",
     )
 
 

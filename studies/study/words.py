@@ -18,7 +18,7 @@ from studies.study.measures import (
     shares_by_limit,
     swept,
 )
-from studies.study.programme import REAL_OTHERS, SCENARIOS, Extent, Sweep, everything
+from studies.study.programme import SCENARIOS, Extent, Sweep, everything
 from studies.study.results import Results
 
 GOAL = 0.95
@@ -157,7 +157,7 @@ def real_traffic(results: Results, extent: Extent) -> Iterator[str]:
             others = {
                 name: mean
                 for (name, of), tasks in flights.items()
-                if name != "best" and (of == network or name in REAL_OTHERS)
+                if name != "best" and of == network
                 if (mean := results.mean(tasks, results.share)) is not None
             }
             beside = ", ".join(f"{TITLES[name]} {mean.percent()}" for name, mean in others.items())

@@ -27,7 +27,7 @@ the limit where 30 % of all was lost, and have 4.2 (three).
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from operator import itemgetter
 
 from proxy.core.coordination.tuning import TUNING
@@ -41,7 +41,8 @@ from utility_specs.lifetimes import initial, integral
 
 Claim = tuple[float, str]
 """What a byte of a stream gains by how long nothing of it was sent; of equal ones the robot's name tells."""
-
+NOBODY: Claim = -math.inf, ""
+"""The least claim."""
 
 CLAIMING = Standing.CONTESTED, Standing.PRICED
 
@@ -58,7 +59,7 @@ class Lead:
         self._view, self._disputes = view, disputes
         self._known: tuple[float, int, tuple[Limit, ...]] = -math.inf, -1, ()
         """When it was looked at [s], after how many changes of how streams stand, and under which limits."""
-        self._best: Claim = -math.inf, ""
+        self._best: Claim = NOBODY
         """The best claim of others then."""
 
     def has(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> bool:
@@ -68,8 +69,8 @@ class Lead:
         known = now, self._disputes.revision, limits
         if known != self._known:
             claims = _claims(now, self._view, self._disputes, stream, limits)
-            self._known, self._best = known, max((theirs for theirs, _ in claims), default=(-math.inf, ""))
-        return self._best < claim(now, stream)
+            self._known, self._best = known, max((theirs for theirs, _ in claims), default=NOBODY)
+        return self._best == NOBODY or self._best < claim(now, stream)
 
 
 def opening(view: SharedView) -> float:
@@ -84,19 +85,22 @@ def rivals(
     stream: Stream,
     limits: tuple[Limit, ...],
     *,
-    grew: float,
+    grew: Callable[[float], float],
 ) -> tuple[tuple[float, ...], float]:
     """Return what samples of others with a better claim than ours of a stream use that may be sent about now.
 
-    And until when at least, as far as they are not heard of [s]. The best of them may have waited until the room `grew`
-    last; each may have given way to who sent last, and to those before it, until it was known what became of them.
+    And until when at least, as far as they are not heard of [s]. The best of them may have waited until the room last
+    `grew`, as it is told of a time; each may have given way to who sent last, and to those before it, until it was
+    known what became of them.
     """
-    ours, news = claim(now, stream), news_take(view)
     claims = _claims(now, view, disputes, stream, limits)
-    if _is_late(now, view, disputes, stream, grew=grew, leads=all(theirs < ours for theirs, _ in claims)):
-        ours = -math.inf, ""
-    better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
+    if not claims:
+        return taken, until
+    ours, news, opened = claim(now, stream), news_take(view), grew(now)
+    if _is_late(now, view, disputes, stream, grew=opened, leads=all(theirs < ours for theirs, _ in claims)):
+        ours = NOBODY
+    better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
     last = max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
     decided = min(last, now) + news
     for rank, (_, each) in enumerate(better):
@@ -104,8 +108,8 @@ def rivals(
             since = _due(now, each, news)
             if since == -math.inf:
                 continue
-            if rank == 0 and since < grew < since + disputes.patience(each):
-                since = grew + opening(view) + view.staleness.delay
+            if rank == 0 and since < opened < since + disputes.patience(each):
+                since = opened + opening(view) + view.staleness.delay
             ends = max(since, decided) + news + _spread(now, each)
             decided, part = max(decided, ends), float(now < ends)
             size = max(each.sizes.mean, each.sizes.announced) + TUNING.larger_deviations * each.sizes.deviation

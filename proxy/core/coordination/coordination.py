@@ -162,7 +162,7 @@ class Coordination:
         News of others are `waiting` so long on a channel that is full [s]; `announcing` says what part of the
         allowance announcements take, `using` what part we use of what we may.
         """
-        due = now >= self.looks_at or self.team.undecided
+        due = now >= self.looks_at or (self.team.undecided and not self.team.rhythms_known)
         if due:
             self.looks_at = now + TUNING.interval
             split = self.split_in_force

@@ -35,7 +35,7 @@ class Team:
         self.rhythms_known = False
         """Whether it is known how often large samples of ours come, if we have any."""
         self.undecided = False
-        """Whether it is not, and they may come seldom: until then the team splits."""
+        """Whether it is not, or we broadcast and know no way yet, and they may come seldom: the team splits so long."""
         self.seldom = False
         """Whether large samples of all come seldom, and there is no room for all of them."""
         self.rivals = False
@@ -60,7 +60,7 @@ class Team:
     @property
     def begins_split(self) -> bool:
         """Whether the team is one that splits from the beginning, as far as is known."""
-        return self.strict or self.seldom or not self.rhythms_known
+        return self.strict or self.seldom or self.undecided or not self.rhythms_known
 
     @property
     def robots(self) -> int:
@@ -135,7 +135,7 @@ class Team:
         self.rivals = asked or len(sending) > 1 or self.even or len(view.peers) > TUNING.few_robots
         large = [s for s in competing if changes_plans(use_of(round(s.sizes.mean), 1, limits), limits)]
         self.varied = bool(large) and all(s.sizes.deviation > TUNING.varied_sizes * s.sizes.mean for s in large)
-        self._look_at_rhythms(now, limits)
+        self._look_at_rhythms(now, limits, waiting)
         # Who has just been met may send before it can say so.
         self.must_announce = heeded and (self.rivals or bool(view.newcomers.met_lately(now)))
         if not self.rivals or math.isinf(window):
@@ -175,18 +175,21 @@ class Team:
         """Yield the others that take part."""
         return (peer for name, peer in self._view.peers.items() if name in self.members)
 
-    def _look_at_rhythms(self, now: float, limits: tuple[Limit, ...]) -> None:
+    def _look_at_rhythms(self, now: float, limits: tuple[Limit, ...], waiting: float) -> None:
         """See how often large samples come: ours, and those of which the others' states tell."""
         sizes = ((stream, use_of(round(stream.sizes.mean), 1, limits)) for stream in self._view.streams.own())
         uses = [(stream, use) for stream, use in sizes if changes_plans(use, limits)]
         own = [stream for stream, _ in uses]
         known = all(stream.schedule.period for stream in own)
-        late = now >= max((stream.began for stream in own), default=self._began) + TUNING.rhythm_time
-        self.rhythms_known |= late or (known and any(self._view.streams.own()))
-        # Not where limits follow the channel, nor where samples are overheard: ten robots that broadcast equal messages
-        # would reach 0 to 5 % less at 20 ms, and 16 to 24 % less where 30 % of all that is broadcast is lost.
-        apt = all(limit.least >= 1.0 for limit in limits) and not is_broadcast(self._view.settings.transport)
-        begins = apt and not self.rhythms_known and not self._others_plan_for_all()
+        began = max((stream.began for stream in own), default=self._began)
+        self.rhythms_known |= now >= began + TUNING.rhythm_time or (known and any(self._view.streams.own()))
+        # Not where limits follow the channel, nor where samples are overheard and news soon come: ten robots that
+        # broadcast equal messages would reach 0 to 5 % less at 20 ms, and 16 to 24 % less where 30 % is lost.
+        apt, broadcast = all(limit.least >= 1.0 for limit in limits), is_broadcast(self._view.settings.transport)
+        heard = self._view.staleness.known or now >= began + TUNING.ways_time
+        begins = apt and not (heard if broadcast else self.rhythms_known) and not self._others_plan_for_all()
+        still = TUNING.hysteresis if self.seldom else 1.0
+        apt &= not broadcast or self.news_take(waiting) >= still * TUNING.seldom_news * shortest_window(limits)
         self.undecided = begins and not any(exceeds(TUNING.seldom_size, use, limits) for _, use in uses)
         if not (own and known and apt):
             self.seldom = False

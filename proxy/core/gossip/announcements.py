@@ -38,6 +38,11 @@ class Announcements:
         waits = self._coordination.team.rivals and self.needed and not self.overheard
         return self._budget.due_ahead(now, TUNING.announcement_debt) if waits else now
 
+    def tells_at(self, now: float) -> float:
+        """When what changes plans is announced: ahead of the allowance, little so where nearly all overhear it [s]."""
+        heard = self.overheard and self._view.paths.mean_loss() < TUNING.overheard_loss
+        return self._budget.due_ahead(now, TUNING.overheard_debt if heard else TUNING.announcement_debt)
+
     def changes_plans(self, size: int, copies: int = 1) -> bool:
         """Whether a message of so many bytes, in so many copies, changes what others plan."""
         return changes_plans(use_of(size, copies, self._limits.limits), self._limits.limits)

@@ -3,7 +3,8 @@
 Each robot keeps a bucket for the whole team: it fills at the whole rate, and the robot takes out what it tells and what
 it hears. So the robots with most to announce announce most, if need be ahead of time. A part of the allowance is for
 all else, and each robot has an equal share of it: for ordinary news, and for states, questions and answers, which are
-paid for later.
+paid for later, by ordinary news: where these went on beside, eight real robots with cameras told 102 % of what they may
+in 27 s, and tell 89.
 """
 
 import math
@@ -27,9 +28,10 @@ class StateBudget:
         """The allowance of so many robots is now this [B/s]."""
         self._allowance, self._robots = allowance, robots
 
-    def gain(self, seconds: float) -> None:
-        """So much time went by."""
-        self._debt = max(self._debt - seconds * self._rate, -TUNING.state_savings * self._rate)
+    def gain(self, seconds: float) -> float:
+        """So much time went by; return what was paid of debts meanwhile [B]."""
+        before, self._debt = self._debt, max(self._debt - seconds * self._rate, -TUNING.state_savings * self._rate)
+        return max(0.0, before) - max(0.0, self._debt)
 
     def owe(self, size: int, copies: int) -> None:
         """Something of so many bytes went out in so many copies."""
@@ -178,7 +180,7 @@ class DigestBudget:
             self._updated = now
             rate = self._own_rate(self._common)
             self.echoes.gain(elapsed * rate, self._most_own(rate))
-            self.states.gain(elapsed)
+            self._own -= self.states.gain(elapsed)
 
     def heard(self, now: float, size: int, copies: int) -> None:
         """Another robot told something of so many bytes, in so many copies."""

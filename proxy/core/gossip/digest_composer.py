@@ -41,7 +41,7 @@ class DigestComposer:
             messages=self._view.traffic.messages,
             bytes=self._view.traffic.bytes,
             streams=() if only_parts else self._news.take(now, list(self._view.streams.own())),
-            echoes=() if only_parts else self._take_echoes(now, copies),
+            echoes=() if only_parts and not self._view.settings.digests_on_air else self._take_echoes(now, copies),
             state=self._states.state.number,
             capacity=self._capacity.report(now),
             splits=self._coordination.team.votes_to_split,

@@ -116,7 +116,7 @@ class DigestScheduler:
     def advance(self, now: float, *, urgent: bool, parts_changed: bool, relaxed: bool) -> list[Command]:
         """Send a digest if one is due; the channel may be `urgent` news, or what we ask for of the limits be new.
 
-        `relaxed`: there is room for all.
+        `relaxed`: nobody plans with it, as there is room for all or nobody else sends.
         """
         self.urgent |= urgent
         self._apart = TUNING.relaxed if relaxed else 0.0
@@ -152,10 +152,14 @@ class DigestScheduler:
         self._news.look(self._view.streams.revision, self._view.streams.own())
         news = self._news.waiting or not coordination.settled or self._sent_something or self._capacity.probe_due(now)
         due = self._budget.due(now, news=news, copies=self._account.digest_copies, apart_at_least=self._apart)
+        undecided = coordination.team.undecided and self._view.settings.digests_on_air and not self._parts_changed
+        if undecided and self._view.echoes.are_awaited(now):  # until these come nobody knows how long news take
+            since = self._sent_at + TUNING.slowest_digest
+            return max(since, self._budget.due_in_turn(now, since, TUNING.parts_debt, self._account.digest_copies))
         if coordination.forming(now) and not self._parts_changed:
             return max(due, now + TUNING.slowest_digest)
         if self._sent_much():
-            return min(due, self._budget.due_ahead(now, TUNING.announcement_debt))
+            return min(due, self._announcements.tells_at(now))
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
         if self._parts_changed:
             return min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))

@@ -75,8 +75,8 @@ class Gossip:
     def advance(self, now: float, mode: Mode, *, urgent: bool, parts_changed: bool, relaxed: bool) -> list[Command]:
         """Tell and ask what is due now.
 
-        `mode` is ours; whether the channel is `urgent` news, and what we ask for of the limits. `relaxed`: there is
-        room for all.
+        `mode` is ours; whether the channel is `urgent` news, and what we ask for of the limits. `relaxed`: nobody
+        plans with what we tell, as there is room for all or nobody else sends.
         """
         if relaxed and not (urgent or parts_changed) and self.digests.gather(now) and now < self.due_at(now):
             return []

@@ -139,8 +139,7 @@ class Appraisal:
             return (), math.inf
         if any(amount > c.limit for amount, c in zip(use, budget.usable(now), strict=True)):
             return (), math.inf  # there never is room beside it
-        grew = budget.grew(now)
-        taken, until = rivals(now, self.view, self.disputes, stream, budget.limits, grew=grew)
+        taken, until = rivals(now, self.view, self.disputes, stream, budget.limits, grew=budget.grew)
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
     def _advance(self, now: float, deciding: Stream | None = None) -> None:

@@ -249,6 +249,11 @@ class Staleness:
         return max((peer.offset.latency for peer in self._peers.values()), default=0.0)
 
     @property
+    def known(self) -> bool:
+        """Whether that is known of any way, as a robot has echoed a digest of ours."""
+        return any(peer.offset.known for peer in self._peers.values())
+
+    @property
     def delay(self) -> float:
         """What all but few digests take beyond their least [s]: they wait for other messages, and for processors."""
         return sorted(self._delays)[int(TUNING.digests_in_time * len(self._delays))] if self._delays else 0.0

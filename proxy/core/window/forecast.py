@@ -1,9 +1,12 @@
 """Which messages of the streams that compete are to be expected, and how far ahead a window looks."""
 
-from proxy.core.coordination.claims import Claim, claim
+from bisect import bisect_right
+
+from proxy.core.coordination.claims import claim
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, Limits, changes_plans, longest_window, use_of
 from proxy.core.model.tuning import TUNING as MODEL
+from proxy.core.view.stream import Stream
 from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.view import SharedView
 from proxy.core.window.candidates import Candidate
@@ -11,21 +14,37 @@ from proxy.core.window.guarantees import guaranteed
 from proxy.core.window.tuning import TUNING
 
 
-def forecast(now: float, view: SharedView, candidates: list[Candidate], limits: Limits, ours: Claim | None) -> float:
-    """Fill in the expected generation times of every candidate; return the end of the window [s].
+def forecast(
+    now: float, view: SharedView, candidates: list[Candidate], limits: Limits, deciding: Stream | None
+) -> None:
+    """Fill in the expected generation times of every candidate, as far ahead as plans look.
 
     Others' messages since we last heard of them have an unknown fate: they are decisions too, but for those with a
-    lesser claim than `ours`.
+    lesser claim than the stream of ours that is `deciding`.
     """
     longest, until = longest_window(limits.union), now + view.settings.horizon_time
-    end = min(until, now + MODEL.planned_windows * longest)
+    end, ours = min(until, now + MODEL.planned_windows * longest), None
     for c in candidates:
-        decided = c.own or (ours is not None and claim(now, c.stream) < ours)
+        decided = c.own
+        if not decided and deciding is not None:
+            ours = ours or claim(now, deciding)
+            decided = claim(now, c.stream) < ours
         after = now if decided else _unheard_since(now, view, c, limits, longest)
         times = c.stream.schedule.forecast(after, end, TUNING.forecasts_of_a_stream, now)
         c.expect(times or c.stream.schedule.forecast(after, until, 1, now))
     _choose(candidates, limits.union)
-    return max([end, *[c.times[0] for c in candidates if c.times]])
+
+
+def reach(now: float, candidates: list[Candidate], limits: Limits, most: int) -> float:
+    """Return until when a window looks ahead that holds about so many messages [s]: over a window of limits at least.
+
+    Where it looked as far as ever, and every second message was left out, one robot with four cameras of 10 Hz and room
+    for a quarter of them reached 0.2 % less with 80 messages, and 2.3 % less with 40 (four missions of 30 s).
+    """
+    times = sorted([t for c in candidates for t in c.times])
+    if len(times) > most:
+        times = times[: max(most, bisect_right(times, now + longest_window(limits.union)))]
+    return max([times[-1] if times else now, *[c.times[0] for c in candidates if c.times]])
 
 
 def _unheard_since(now: float, view: SharedView, c: Candidate, limits: Limits, longest: float) -> float:

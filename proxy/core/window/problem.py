@@ -7,7 +7,7 @@ from itertools import islice
 from operator import attrgetter
 from typing import NamedTuple
 
-from planner import Aggregation, Latest, Message, Problem, Traffic
+from planner import Aggregation, Latest, Message, MessageUtility, Problem, Traffic
 from planner import Stream as PlannerStream
 from proxy.core.model.limits import Limits, longest_window, use_of
 from proxy.core.model.waiting import Waiting
@@ -55,19 +55,25 @@ def problem(now: float, started: float, contents: Contents, limits: Limits) -> P
     def use(size: int, copies: int, own: bool) -> tuple[float, ...]:  # noqa: FBT001 - a cache knows no keywords
         return use_of(size, copies, limits.union, own=own)
 
+    alike: dict[tuple[int, int, int], tuple[float, MessageUtility, tuple[float, ...]]] = {}
+    """What messages of one stream take, are and use that are of one size and show the same: most are so expected."""
+
     messages = [fact for c in candidates for fact in _facts(c, now, nothing)]
     for m in demanded:
         sent = Sent(m.t_gen, max(m.t_gen, now), m.size, m.scale, m.features)
         messages.append(_fact(m.of, sent, 0.0, nothing))
     t_sent, t_rcv = -math.inf, dict.fromkeys(range(len(candidates)), -math.inf)
-    for m in opened:
-        place = m.of.place
-        t_sent = max(t_sent, m.t_gen, now) if m.of.own else max(t_sent, m.t_gen)
-        t_rcv[place] = max(t_rcv[place], t_sent + m.of.audience.latency_of(m.size))
-        utility = m.of.stream.information_type.utility_of(m.features)
-        uses = use(m.size, m.of.copies, m.of.own)
-        messages.append(Message(place, m.t_gen, t_sent, t_rcv[place], utility, m.scale, uses))
-        if m.current:
+    for t_gen, of, size, scale, features, is_current in opened:
+        place = of.place
+        kind = place, size, id(features)
+        if (known := alike.get(kind)) is None:
+            utility = of.stream.information_type.utility_of(features)
+            known = alike[kind] = of.audience.latency_of(size), utility, use(size, of.copies, of.own)
+        latency, utility, uses = known
+        t_sent = max(t_sent, t_gen, now) if of.own else max(t_sent, t_gen)
+        t_rcv[place] = received = max(t_rcv[place], t_sent + latency)
+        messages.append(Message(place, t_gen, t_sent, received, utility, scale, uses))
+        if is_current:
             current = messages[-1]
     messages.sort(key=attrgetter("t_gen", "stream"))
     robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}

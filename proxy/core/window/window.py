@@ -2,14 +2,14 @@
 
 It holds contested messages alone (`disputes.py`); the others are booked, and the limits of the problem lower by as
 much. It reaches `planned_windows` of the longest constraint window, at most `horizon_time`, and at least to one
-forecast message of every stream; a slower stream is weighed by its rate. If these are more than `horizon` messages,
-low-value streams are thinned, not time. Where more streams compete than a window has messages, some have none in it:
-half of the places are for the streams worth most per byte on the air, half for those that generate next, so that what
-is imminent competes with what is valuable. Only streams that somebody wants compete, and where each robot has its part
-only our own, for then no other stream can gain by what we leave. Sent messages are facts. Those that say what others of
-their stream are still worth are messages: the last one, or the last few where the stream does not go by the most recent
-one. What else was sent within a constraint window is traffic, for what it uses. What guarantees demand of the future is
-a fact and traffic like that.
+forecast message of every stream; a slower stream is weighed by its rate. If these are more than `horizon` messages, it
+reaches less far, but over one such window; what is too many still is thinned, of low-value streams. Where more streams
+compete than a window has messages, some have none in it: half of the places are for the streams worth most per byte on
+the air, half for those that generate next, so that what is imminent competes with what is valuable. Only streams that
+somebody wants compete, and where each robot has its part only our own, for then no other stream can gain by what we
+leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
+or the last few where the stream does not go by the most recent one. What else was sent within a constraint window is
+traffic, for what it uses. What guarantees demand of the future is a fact and traffic like that.
 """
 
 import math
@@ -20,14 +20,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from planner import Problem
-from proxy.core.coordination.claims import claim
 from proxy.core.market.disputes import Disputes
 from proxy.core.model.limits import Limits
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream, at_stake
 from proxy.core.view.view import SharedView
 from proxy.core.window.candidates import Candidate, thin
-from proxy.core.window.forecast import forecast
+from proxy.core.window.forecast import forecast, reach
 from proxy.core.window.guarantees import guaranteed
 from proxy.core.window.problem import Contents, OpenMessage, expected, problem, published
 from proxy.core.window.tuning import TUNING
@@ -62,8 +61,8 @@ class WindowBuilder:
         queued = int(min(len(waiting), most // 2))
         places = int(min(horizon, most - queued))
         candidates = self._candidates(now, current, limits, places)
-        demanded = self._forecast(now, candidates, current, limits)
-        full = len(waiting) + min(horizon, sum([len(c.times) for c in candidates]))
+        demanded, coming = self._forecast(now, candidates, current, limits, places)
+        full = len(waiting) + min(horizon, coming - len(demanded))
         thin(candidates, places)
         ours = {c.stream.key: c for c in candidates if c.own}
         opened = [published(w, ours[w.key]) for w in _competing(waiting, ours)[:queued]]
@@ -108,15 +107,21 @@ class WindowBuilder:
         audience = view.audiences.to(now, current.to, current.size)
         return Candidate(stream, place, 1 + view.settings.relayed, audience, own=True, markovian=False, copy=True)
 
-    def _forecast(self, now: float, candidates: list[Candidate], current: Waiting, limits: Limits) -> list[OpenMessage]:
-        """Fill in when candidates are expected to generate; return what guarantees demand of that."""
+    def _forecast(
+        self, now: float, candidates: list[Candidate], current: Waiting, limits: Limits, most: int
+    ) -> tuple[list[OpenMessage], int]:
+        """Fill in when candidates are expected to generate; return what guarantees demand of that.
+
+        And how much plans would look at that had room for all.
+        """
         stream = self._view.streams.known(self._view.settings.robot, current.key)
-        ours = None if stream is None else claim(now, stream)
-        end = forecast(now, self._view, candidates, limits, ours)
+        forecast(now, self._view, candidates, limits, stream)
+        coming = sum([len(c.times) for c in candidates])
+        end = reach(now, candidates, limits, most)
         demanded = [expected(c, t) for c in candidates if guaranteed(c.stream) for t in c.take_owed()]
         for c in candidates:
             c.bound(end)
-        return demanded
+        return demanded, coming
 
 
 def _competing(waiting: Iterable[Waiting], ours: Mapping[str, Candidate]) -> list[Waiting]:

@@ -20,7 +20,7 @@ from studies.simulation.agenda import Agenda
 from studies.simulation.medium import Medium
 from studies.simulation.records import Delivery, OnAir
 from studies.simulation.traffic.flights import How
-from studies.simulation.traffic.missions import RATE, Mission
+from studies.simulation.traffic.missions import Mission
 
 LARGE = 0.95
 """A part is large enough that holds this part of what is not small."""
@@ -132,7 +132,7 @@ class Simple:
     _medium: Medium = field(init=False)
 
     def __post_init__(self) -> None:
-        self._medium = Medium(RATE, self.how.latency, self.how.loss, seed=self.seed)
+        self._medium = Medium(self.how.rate, self.how.latency, self.how.loss, seed=self.seed)
         robots, limit, window = self.mission.robots, self.mission.carried, self.mission.window
         one = Sender(limit, window, self.reserve)
         parts = {robot: Sender(limit / len(robots), window, self.reserve) for robot in robots}

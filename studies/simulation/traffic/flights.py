@@ -22,7 +22,10 @@ SOON = 0.001
 
 @dataclass(frozen=True, slots=True)
 class How:
-    """How a team flies: `settings` are further ones of the core, by name; latency is seconds, loss a probability."""
+    """How a team flies: `settings` are further ones of the core, by name; latency is seconds, loss a probability.
+
+    The medium's `rate` is in B/s.
+    """
 
     coordination: str = "announce"
     transport: str = "unicast"
@@ -30,6 +33,7 @@ class How:
     loss: float = 0.01
     iterations: int = 300
     settings: tuple[tuple[str, Any], ...] = ()
+    rate: float = RATE
 
     @property
     def broadcasts(self) -> bool:
@@ -53,7 +57,7 @@ def crew(mission: Mission, how: How, seed: int, happenings: Sequence[Happening] 
     return Team(
         mission.specs,
         mission.interests,
-        Medium(RATE, how.latency, how.loss),
+        Medium(how.rate, how.latency, how.loss),
         seed=seed,
         iterations=how.iterations,
         settings=replace(settings, **further),

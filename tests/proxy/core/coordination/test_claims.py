@@ -40,7 +40,7 @@ def judged(view, now, *, grew=-math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(now, limits, alone=False)
     stream = view.streams.known("r1", "robot/r1/camera")
-    return rivals(now, view, disputes, stream, limits, grew=grew)
+    return rivals(now, view, disputes, stream, limits, grew=lambda _: grew)
 
 
 def generated(view, t):

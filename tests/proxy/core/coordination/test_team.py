@@ -3,6 +3,7 @@
 import pytest
 
 from proxy.core.coordination.tuning import TUNING
+from proxy.core.model.transport import broadcast
 from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamState
 from proxy.core.protocol.split_report import SplitReport
@@ -186,6 +187,41 @@ def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come
     known = make_team()
     known.look()
     assert known.coordination.team.rhythms_known
+
+
+def test_who_broadcasts_begins_by_a_split_until_it_knows_how_long_news_take(make_team):
+    """But for so long only, and not beside others that plan for all."""
+    teams = {known: make_team(names(9), send=0, transport=broadcast("224.0.0.226:7449")) for known in (True, False)}
+    for known, team in teams.items():
+        fifth = round(0.15 * team.limits[0].limit)
+        rhythms(team, period=0.1, size=fifth, others=fifth, theirs=0.0)
+        team.look()
+        assert team.coordination.team.splits
+        if known:
+            offset = team.view.peers["p03"].offset
+            offset.heard(0.1, 0.2)
+            offset.echoed(0.1, 0.2)
+    while teams[False].now < TUNING.ways_time - 2.0:
+        for known, team in teams.items():
+            team.look()
+            assert team.coordination.team.splits is (not known)
+    for _ in range(9):
+        teams[False].look()
+    assert not teams[False].coordination.team.splits
+    beside = make_team(names(9), send=0, transport=broadcast("224.0.0.226:7449"))
+    rhythms(beside, size=fifth, others=fifth)
+    beside.look()
+    assert not beside.coordination.team.splits
+
+
+@pytest.mark.parametrize(("waiting", "splits"), [(1.01, True), (0.99, False)])
+def test_what_comes_seldom_and_is_overheard_is_split_where_news_take_part_of_the_window(make_team, waiting, splits):
+    """It is much less than what takes other teams to a split."""
+    team = make_team(names(9), send=0, transport=broadcast("224.0.0.226:7449"))
+    fifth = round(0.15 * team.limits[0].limit)
+    rhythms(team, size=fifth, others=fifth)
+    team.look(waiting=waiting * TUNING.seldom_news * WINDOW)
+    assert team.coordination.team.seldom is splits
 
 
 def test_robots_whose_samples_are_small_have_equal_parts_at_once_where_news_cost_too_much(make_team):

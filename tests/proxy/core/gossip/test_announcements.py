@@ -116,6 +116,15 @@ def test_an_announcement_may_spend_the_allowance_ahead_of_time_but_not_for_ever(
     assert alone.announcements.due_at(NOW + 1.0) == NOW + 1.0
 
 
+@pytest.mark.parametrize("lost", [0, 30])
+def test_what_nearly_all_overhear_is_announced_little_ahead_of_the_allowance(make_sender, monkeypatch, lost):
+    """Where much is lost it is as in unicast."""
+    sender = make_sender(transport=broadcast("224.0.0.226:7449"))
+    monkeypatch.setattr(type(sender.view.paths), "mean_loss", lambda _: lost / 100)
+    sender.budget.sent(NOW, round(0.9 * TUNING.announcement_debt * sender.budget.rate), 1, announces=True)
+    assert (sender.announcements.tells_at(NOW) == NOW) is bool(lost)
+
+
 def test_what_announcing_takes_grows_with_how_often_large_samples_come(make_sender):
     """Each is told to each robot. What is small is not announced."""
     twice = make_sender(size=round(LARGE), period=0.5)

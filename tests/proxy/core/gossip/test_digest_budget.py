@@ -100,6 +100,20 @@ def test_digests_go_on_while_a_state_is_paid_for():
     assert paid_at(budget, 21.0) <= before
 
 
+def test_ordinary_news_pay_for_states():
+    """What states take beyond what is saved for them these do not tell meanwhile."""
+    told = {}
+    for owed in (0, 9000):
+        budget, told[owed] = budget_of(2500.0, robots=5), 0
+        budget.states.owe(owed, 4)
+        for number in range(400):
+            now = 0.05 * number
+            if budget.due(now, news=True, copies=4) <= now:
+                budget.sent(now, SIZE, 4)
+                told[owed] += 1
+    assert 0 < told[9000] < 0.8 * told[0]
+
+
 def test_what_was_sent_is_announced_ahead_of_time_by_whom_it_concerns():
     """One robot may use what all do not, but no more of it than so many seconds' worth ahead."""
     budget, told = budget_of(1000.0, robots=10), 0

@@ -8,7 +8,7 @@ from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.gossip.digest_scheduler import Retransmissions
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface import events as ev
-from proxy.core.interface.commands import Decide, Forward, SendDigest, SendState
+from proxy.core.interface.commands import Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.model.limits import allowance_of
 from proxy.core.model.transport import broadcast
 from proxy.core.protocol.bid import Segment
@@ -396,6 +396,21 @@ def test_where_there_is_room_for_all_news_gather(roomy):
     roomy.tell(ev.TimePassed(due))
     (last,) = digests(roomy, due)
     assert [(each.generated, each.forwarded) for each in last.streams] == [(240, 240)]
+
+
+def test_where_nobody_else_sends_news_gather(make_talk):
+    """However short room is, and however much of the allowance is left: who only listens plans with none of it."""
+    talk = make_talk(allowance=0.5)
+    talk.want(0.0)
+    for step in range(int(100 * VIEW.newcomer_time)):
+        now = 1.0 + 0.02 * step
+        if step % 50 == 0:
+            talk.tell(ev.DigestHeard(now, Digest("op", tag("zz-op"), now - 0.01), 100))
+        for decide in only(talk.publish(now + 0.001, size=1000)[1], Decide):
+            talk.answer(now + 0.005, decide, send=True)
+    assert len(talk.all(Drop)) > 200
+    known = 1.0 + VIEW.newcomer_time
+    assert len(digests(talk, known)) <= (now - known) / TUNING.relaxed + 2
 
 
 def test_what_alters_the_plans_of_others_is_told_at_once_all_the_same(roomy):

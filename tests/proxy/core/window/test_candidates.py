@@ -40,16 +40,29 @@ def test_of_a_model_of_the_operators_few_messages_are_weighed(make_specs):
     assert tabulate(problem).gains.closed
 
 
-def test_streams_of_low_value_are_thinned_not_time(make_specs):
-    """The window reaches four constraint windows ahead whatever the horizon; the best stream stays whole."""
-    view = make_view(make_specs(), horizon=20)
+def two_cameras(make_specs, horizon):
+    """Return when the messages of two streams of ten samples a second are generated, of which one is worth more [s]."""
+    view = make_view(make_specs(), horizon=horizon)
     view.subscribers.set_own(("robot/**",))
     add_stream(view, "r1", period=0.1, scale=1.0)
     add_stream(view, "r2", period=0.1, scale=50.0)
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())[0]
-    times = [[m.t_gen for m in problem.messages if m.stream == stream] for stream in (0, 1)]
-    assert len(times[0]) + len(times[1]) <= 21
-    assert times[1][-1] >= 13.6
+    return [[m.t_gen for m in problem.messages if m.stream == stream] for stream in (0, 1)]
+
+
+def test_a_window_reaches_less_far_where_it_would_hold_too_much(make_specs):
+    """It looks four constraint windows ahead, less where these are too many messages: none is left out."""
+    whole, less = two_cameras(make_specs, 120), two_cameras(make_specs, 40)
+    assert [times[-1] >= 13.8 for times in whole] == [True, True]
+    assert sum(map(len, less)) <= 41
+    assert [times == all_times[: len(times)] for times, all_times in zip(less, whole, strict=True)] == [True, True]
+
+
+def test_streams_of_low_value_are_thinned_where_one_constraint_window_is_too_much(make_specs):
+    """The window reaches one constraint window ahead whatever the horizon; the best stream stays whole."""
+    times = two_cameras(make_specs, 12)
+    assert len(times[0]) + len(times[1]) <= 13
+    assert times[1][-1] >= 10.8
     assert len(times[1]) > len(times[0])
 
 
