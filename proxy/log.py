@@ -12,7 +12,7 @@ from typing import TextIO
 
 from proxy import clock
 from proxy.config import LogConfig
-from proxy.quantities import clean
+from proxy.printable import clean
 
 PLAIN = "%(levelname)s %(name)s: %(message)s"
 STAMPED = f"%(asctime)s {PLAIN}"

@@ -13,11 +13,6 @@ _SMALL = ((1.0, ""), (1e-3, "m"), (1e-6, "μ"))
 _PREFIXES = {"s": _SMALL, "J": _SMALL, "messages": ()}
 
 
-def clean(text: str) -> str:
-    """Replace what a terminal would not show but obey: keys and names are others' words."""
-    return text if text.isprintable() else "".join(each if each.isprintable() else "\ufffd" for each in text)
-
-
 def columns(rows: Sequence[Row], alignment: str) -> list[str]:
     """Align columns, "l" left and "r" right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

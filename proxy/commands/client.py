@@ -20,9 +20,9 @@ from proxy.bridge.tuning import TUNING
 from proxy.config_values import endpoint, robot_name
 from proxy.errors import ProxyError
 from proxy.fleet_token import proofs, read_token, token_of
+from proxy.printable import clean
 from proxy.profiling.profile import Profile, read
 from proxy.profiling.request import Request
-from proxy.quantities import clean
 from proxy.why import Question
 
 DAEMON = "tcp/127.0.0.1:7447"

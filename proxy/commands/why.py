@@ -11,7 +11,8 @@ from typing import Any
 from proxy import clock, exit_codes
 from proxy.commands.client import Client, NoAnswerError, add_client_flags, connected
 from proxy.decisions_text import again, described, headed
-from proxy.quantities import clean, duration
+from proxy.printable import clean
+from proxy.quantities import duration
 from proxy.why import LAST, Question, QuestionError
 
 DESCRIPTION = """\

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from proxy import exit_codes
-from proxy.quantities import clean
+from proxy.printable import clean
 
 _BARRED = f"cannot be read: {os.strerror(errno.EACCES)}"
 """How messages end about what another user could read."""

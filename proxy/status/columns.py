@@ -4,7 +4,8 @@ import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from proxy.quantities import Status, clean
+from proxy.printable import clean
+from proxy.quantities import Status
 
 GAP = 2
 """Blanks between columns."""

@@ -3,7 +3,8 @@
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 
-from proxy.quantities import UNKNOWN, Status, amount, clean, columns, duration, number, share
+from proxy.printable import clean
+from proxy.quantities import UNKNOWN, Status, amount, columns, duration, number, share
 from proxy.status.columns import Table, fitted
 from proxy.status.tables import DENIED, FEATURES, KEPT, LIMITS, PEERS, STREAMS, failing
 from proxy.status.warnings import warnings

@@ -5,7 +5,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from proxy.quantities import UNKNOWN, Status, amount, clean, duration, number, share
+from proxy.printable import clean
+from proxy.quantities import UNKNOWN, Status, amount, duration, number, share
 from proxy.status.columns import Table, fitted, shortened
 from proxy.status.tables import PEERS
 from proxy.status.text import SHADOWED, headline, wrapped

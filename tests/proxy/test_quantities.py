@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.quantities import amount, clean, duration, rate, schedule, share
+from proxy.quantities import amount, duration, rate, schedule, share
 
 
 @pytest.mark.parametrize(
@@ -62,9 +62,3 @@ def test_a_schedule_says_how_exactly_it_is_kept():
     assert schedule({"schedule": "bursts 5 0.05", "period": 0.4, "jitter": 0.1}) == "bursts of 5"
     assert schedule({"schedule": "periodic", "period": 0.5, "jitter": 0.05, "over": True}) == "over"
     assert schedule({"schedule": "", "period": 0.0, "jitter": 0.0}) == schedule({}) == "-"
-
-
-def test_what_a_terminal_would_obey_is_replaced():
-    """Escape sequences are not names."""
-    assert clean("ok") == "ok"
-    assert clean("a\x1b[31m\tb") == "a\ufffd[31m\ufffdb"

@@ -111,7 +111,8 @@ def test_people_get_words_and_scripts_json(team, capsys):
 
 
 def test_a_key_of_another_robot_is_asked_for_there(team, capsys):
-    """It says so."""
+    """It says so, once it knows the other robot's streams."""
+    assert dropped(team[0])
     assert main(["why", "robot/r2/camera", "--connect", team[0].endpoint]) == exit_codes.FAILED
     assert "whose own daemon decides on it" in capsys.readouterr().err
 
