@@ -31,8 +31,9 @@ def mission(tmp_path_factory):
 
 @pytest.fixture
 def session(mission):
-    """Another app of the operator."""
+    """Another app of the operator, which has come to know who answers there."""
     with open_client(mission.nodes[0].app_endpoint) as opened:
+        wait_until(lambda: list(opened.get(CHANNEL, timeout=20.0)), what="who tells of the medium")
         yield opened
 
 
