@@ -47,7 +47,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "budget": ("What a daemon costs", lambda quick: measure_budget(quick=quick)),
     "watching": ("What it costs to watch a daemon", lambda quick: measure_watching(quick=quick)),
     "small": ("What a small computer makes of it", lambda quick: measure_small(quick=quick)),
-    "traffic": ("Real daemons, real traffic", lambda quick: measure_traffic(quick=quick)),
+    "daemons": ("Real daemons, real traffic", lambda quick: measure_traffic(quick=quick)),
     "designs": ("What designs of the search lose", lambda quick: measure_designs(quick=quick)),
 }
 

@@ -25,7 +25,7 @@ CAMERA = [kind.name for kind in Case().workload.kinds].index("camera")
 
 def test_real_daemons_carry_real_traffic(measured):
     """Of one robot and of two all is counted; of one nearly all small samples arrive, and each alarm."""
-    got, took, where = measured("traffic")
+    got, took, where = measured("daemons")
     assert [row[0] for row in got.rows] == [row[0] for row in took.rows] == [case.name for case in CASES[:2]]
     for _, utility, others, _, filled, small, *_, alarms, _, _, fullest in got.rows:
         assert 30.0 < float(utility.rstrip("%")) <= 101.0
