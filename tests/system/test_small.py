@@ -2,6 +2,7 @@
 
 import pytest
 
+from proxy.config import PlannerConfig
 from proxy.config_loading import load_config
 from studies.benchmarks.small import PROFILE, measure_small
 
@@ -20,4 +21,6 @@ def test_a_daemon_is_held_to_a_part_of_a_core():
 
 def test_the_profile_is_a_configuration():
     """Which may be laid upon any other."""
-    assert load_config(PROFILE, {}, {}).planner.iterations == 100
+    laid_on = load_config(PROFILE, {}, {}).planner
+    assert laid_on.iterations < PlannerConfig().iterations
+    assert laid_on.horizon < PlannerConfig().horizon
