@@ -4,11 +4,13 @@ import re
 
 import pytest
 
+from studies.benchmarks.__main__ import BENCHMARKS
 from studies.qualification.stages import STAGES
 from tests.docs.pages import ROOT
 
 PAGE = (ROOT / "RELIABILITY.md").read_text()
 COMMANDS = sorted(set(re.findall(r"\| `([^`]+)` \| (?:each change|–|2026-\d\d-\d\d) \|", PAGE)))
+BENCHMARK = ".venv/bin/python -m studies.benchmarks "
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 
 
@@ -22,12 +24,15 @@ def test_every_promise_has_a_command():
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run_what_is_there(command):
-    """Targets of make, stages of the long runs, files of tests."""
+    """Targets of make, stages of the long runs, benchmarks, files of tests."""
     if command.startswith("make "):
         words = command.split()[1:]
         stages = [word.removeprefix("STAGES=") for word in words if word.startswith("STAGES=")]
         assert {word for word in words if "=" not in word} <= TARGETS
         assert set(stages) <= {stage.name for stage in STAGES}
+        return
+    if command.startswith(BENCHMARK):
+        assert command.removeprefix(BENCHMARK) in BENCHMARKS
         return
     path = command.removeprefix(".venv/bin/python -m pytest ")
     assert path != command
