@@ -18,7 +18,6 @@ from studies.study.results import Results
 LETTERS = dict(zip(SCENARIOS, "abc", strict=True))
 ECDF = 401
 """Points of an eCDF."""
-NETWORKS = {"infrastructure": "by unicast over an access point", "adhoc": "by broadcast, ad hoc"}
 SIDEWAYS = 0.12
 """Marks of one workload stand so far apart."""
 ABOVE = 1.15
@@ -149,7 +148,7 @@ def real_figure(results: Results, extent: Extent, folder: Path) -> str:
     name = "study-real"
     flights = real_flights(results, extent)
     with figure(folder, name, 1, len(CARRIED), (9, 4.2), sharey="row") as (drawn, axes):
-        for column, carried in enumerate(CARRIED):
+        for column, (carried, what) in enumerate(CARRIED.items()):
             for place, contender in enumerate((*REAL_TEAMS, *REAL_OTHERS)):
                 points = [
                     (number + SIDEWAYS * (place - (len(REAL_TEAMS) + len(REAL_OTHERS) - 1) / 2), mean)
@@ -159,7 +158,7 @@ def real_figure(results: Results, extent: Extent, folder: Path) -> str:
                 line(axes[0][column], replace(STYLES[contender], dashes=""), points, TITLES[contender])
             names = [f"{workload}\n{robots} robots" for workload, robots in flights]
             axes[0][column].set_xticks(range(len(names)), names, fontsize=8)
-            _titled(axes[0][column], f"over ns-3, {NETWORKS[carried]}", "")
+            _titled(axes[0][column], f"over ns-3, {what}", "")
         axes[0][0].set(ylabel="utility [% of the bound at the same latency]", ylim=(None, 101.5))
         handles, labels = axes[0][0].get_legend_handles_labels()
         drawn.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)

@@ -1,7 +1,6 @@
 """Flies one task and measures it; this is what workers run, here or in a cluster."""
 
-from collections.abc import Mapping, Sequence
-from statistics import fmean, median
+from collections.abc import Mapping
 from time import process_time
 
 import numpy as np
@@ -18,6 +17,7 @@ from studies.simulation.records import OnAir
 from studies.simulation.scores import HORIZON, Yardsticks, reached, scored
 from studies.study.characteristic import gains, of_runs
 from studies.study.contenders import BOUND, CENTRAL, CONTENDERS, Flown
+from studies.study.measured import channel, offline, quantiles
 from studies.study.missions import mission_of, unlimited
 from studies.study.networks import network
 from studies.study.real_traffic import fly_real
@@ -27,8 +27,6 @@ from studies.study.tasks import Task
 EXACT = 1e-9
 MOST_GAINS = 2_000
 """So many gains of messages are kept of a random run."""
-LATE = 0.95
-"""The quantile of delays and decision times that is kept beside the median."""
 
 
 def fly_one(task: Task) -> Record:
@@ -79,7 +77,7 @@ def measured(task: Task, mission: Mission, flight: Flown) -> Record:
         "over": float(np.mean(held > limit * (1 + EXACT))) if len(held) and limit >= 1.0 else 0.0,
         "worst": float(held.max(initial=0.0) / limit),
         "told": sum(air.size for air in flight.on_air if air.frame is None and air.t >= WARM_UP) / task.seconds,
-        "decision": _quantiles(flight.decisions),
+        "decision": quantiles(flight.decisions),
         "network": _channel(flight, task),
     }
 
@@ -94,18 +92,8 @@ def _maximum(problem: Problem) -> float:
 def _channel(flight: Flown, task: Task) -> Record:
     """Return which part of copies arrived and how late [s], and what all offered [B/s]: so saturation is seen."""
     due = [d for d in flight.deliveries if d.t_sent >= WARM_UP]
-    delays = [d.t_rcv - d.t_sent for d in due if d.t_rcv is not None]
     offered = sum(air.size for air in flight.on_air if air.t >= WARM_UP) / task.seconds
-    return {
-        "arrived": fmean(d.t_rcv is not None for d in due) if due else 1.0,
-        "delay": _quantiles(delays),
-        "offered": offered + task.background,
-    }
-
-
-def _quantiles(values: Sequence[float]) -> list[float]:
-    """Return the median and a late one, or nothing of none."""
-    return [round(median(values), 7), round(float(np.quantile(values, LATE)), 7)] if values else []
+    return channel(due, offered + task.background)
 
 
 def _windows(messages: list[OnAir], window: float) -> Floats:
@@ -145,15 +133,4 @@ def _central(task: Task) -> Record:
 def _offline(mission: Mission, worth: float, sends: Mapping[int, float], problem: Problem) -> Record:
     due = [i for i, m in enumerate(problem.messages) if m.t_gen >= WARM_UP]
     sent = sum(sends.get(i, 0.0) for i in due)
-    return {
-        "utility": worth,
-        "maximum": _maximum(mission.problem),
-        "generated": len(due),
-        "sent": sent,
-        "received": sent,
-        "over": 0.0,
-        "worst": 1.0,
-        "told": 0.0,
-        "decision": [],
-        "network": {},
-    }
+    return offline(worth, _maximum(mission.problem), len(due), sent)

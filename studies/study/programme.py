@@ -20,8 +20,8 @@ COMPARED: dict[str, dict[str, Any]] = {
     "own, unicast": {"network": "own", "unicast": True},
 }
 """Ways to carry the same missions: ns-3's first, then our own medium in its place."""
-CARRIED = ("infrastructure", "adhoc")
-"""Of these, those that carry real traffic."""
+CARRIED = {"infrastructure": "by unicast over an access point", "adhoc": "by broadcast, ad hoc"}
+"""Of these, those that carry real traffic, as the page calls them."""
 REAL_TEAMS, REAL_OTHERS = ("best", "paper"), (CENTRAL, RESERVE, STATIC)
 """Who flies real traffic over ns-3, and what that is compared with: over a medium of our own that is as quick."""
 
@@ -267,7 +267,7 @@ def real_tasks(extent: Extent) -> list[Task]:
     found = []
     for (workload, robots), seed in product(extent.real, range(extent.real_seeds)):
         plain = Task("", f"{REAL_TRAFFIC}{workload}", 0.0, seed, robots=robots, seconds=extent.real_seconds)
-        names = [name for name in (*REAL_TEAMS, *REAL_OTHERS) if name in (*extent.flying, *REAL_OTHERS)]
+        names = [*(name for name in REAL_TEAMS if name in extent.flying), *REAL_OTHERS]
         found += [entered(name, plain).but(**COMPARED[network]) for network, name in product(CARRIED, names)]
     return found
 

@@ -1,10 +1,7 @@
 """What robots really send (`studies/simulation/traffic`), flown over the networks of the study."""
 
 from dataclasses import replace
-from statistics import fmean, median
 from typing import Any
-
-import numpy as np
 
 from planner import Message
 from studies.simulation.missions import OPERATOR
@@ -16,6 +13,7 @@ from studies.simulation.traffic.missions import WARM_UP, Mission, draw
 from studies.simulation.traffic.plan import bound
 from studies.simulation.traffic.scores import Flight, score, worth
 from studies.study.contenders import BOUND, CENTRAL, CONTENDERS, RESERVE, STATIC
+from studies.study.measured import channel, offline, quantiles
 from studies.study.networks import network, own_rate
 from studies.study.store import Record
 from studies.study.tasks import Task
@@ -23,8 +21,6 @@ from studies.study.tasks import Task
 SENDERS = {RESERVE: SIMPLE["greedy"], STATIC: SIMPLE["static"]}
 QUICK = 0.0005
 """What the smallest sample takes on ns-3's channels [s]; the others take the longer the larger they are."""
-LATE = 0.95
-"""The quantile that is kept beside the median."""
 
 
 def fly_real(task: Task) -> Record:
@@ -71,7 +67,8 @@ def _record(mission: Mission, flight: Flight, *, decided: Any) -> Record:
     number = {id(frame): i for i, frame in enumerate(mission.frames)}
     came = {number[id(d.frame)]: d.t_rcv for d in flight.deliveries if d.receiver == OPERATOR and d.t_rcv is not None}
     due = [d for d in flight.deliveries if d.t_sent >= WARM_UP]
-    delays = [d.t_rcv - d.t_sent for d in due if d.t_rcv is not None]
+    end = mission.problem.t_end
+    offered = (found.sent + found.told * (end - WARM_UP)) / end
     return {
         "utility": worth(mission, came),
         "maximum": _maximum(mission),
@@ -81,12 +78,8 @@ def _record(mission: Mission, flight: Flight, *, decided: Any) -> Record:
         "over": found.over,
         "worst": found.worst,
         "told": found.told,
-        "decision": _quantiles(list(decided)),
-        "network": {
-            "arrived": fmean(d.t_rcv is not None for d in due) if due else 1.0,
-            "delay": _quantiles(delays),
-            "offered": (found.sent + found.told * (mission.problem.t_end - WARM_UP)) / mission.problem.t_end,
-        },
+        "decision": quantiles(list(decided)),
+        "network": channel(due, offered),
         "small": found.arrived,
         "age": list(found.age),
         "alarms": found.alarms_sent / found.alarms if found.alarms else 1.0,
@@ -97,27 +90,10 @@ def _bounded(task: Task, mission: Mission) -> Record:
     found = bound(scored(mission.problem, WARM_UP), mission.small, APART if task.workload in LARGE else 0.0)
     due = [i for i, frame in enumerate(mission.frames) if frame.t_gen >= WARM_UP]
     sent = float(sum(found.sends[i] for i in due))
-    return {
-        "utility": found.bound,
-        "maximum": _maximum(mission),
-        "generated": len(due),
-        "sent": sent,
-        "received": sent,
-        "over": 0.0,
-        "worst": 1.0,
-        "told": 0.0,
-        "decision": [],
-        "network": {},
-        "small": 1.0,
-        "age": [],
-        "alarms": 1.0,
-    }
+    record = offline(found.bound, _maximum(mission), len(due), sent)
+    return record | {"small": 1.0, "age": [], "alarms": 1.0}
 
 
 def _maximum(mission: Mission) -> float:
     """What all messages are worth that arrive at once."""
     return worth(mission, {i: frame.t_gen for i, frame in enumerate(mission.frames)})
-
-
-def _quantiles(values: list[float]) -> list[float]:
-    return [round(median(values), 7), round(float(np.quantile(values, LATE)), 7)] if values else []

@@ -18,7 +18,7 @@ from studies.study.measures import (
     shares_by_limit,
     swept,
 )
-from studies.study.programme import SCENARIOS, Extent, Sweep, everything
+from studies.study.programme import CARRIED, SCENARIOS, Extent, Sweep, everything
 from studies.study.results import Results
 
 GOAL = 0.95
@@ -148,9 +148,10 @@ def real_traffic(results: Results, extent: Extent) -> Iterator[str]:
         " *cameras-current* it costs to show what is no longer there; *crowd* are small streams of all rates. The bound"
         " is the linear programme with all small samples sent."
     )
-    for network, what in (("infrastructure", "By unicast over an access point"), ("adhoc", "By broadcast, ad hoc")):
+    flown_by = real_flights(results, extent)
+    for network, what in CARRIED.items():
         said = []
-        for (workload, _), flights in real_flights(results, extent).items():
+        for (workload, _), flights in flown_by.items():
             best = results.mean(flights.get(("best", network), ()), results.share)
             if best is None:
                 continue
@@ -163,7 +164,7 @@ def real_traffic(results: Results, extent: Extent) -> Iterator[str]:
             beside = ", ".join(f"{TITLES[name]} {mean.percent()}" for name, mean in others.items())
             said.append(f"{best.percent()} % of the bound in *{workload}* ({beside})")
         if said:
-            yield f"{what} best mode reaches {'; '.join(said)}."
+            yield f"{what.capitalize()} best mode reaches {'; '.join(said)}."
 
 
 def beside_the_paper(results: Results, extent: Extent) -> Iterator[str]:
