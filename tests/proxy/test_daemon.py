@@ -460,14 +460,18 @@ def test_a_forged_state_on_the_group_is_not_even_malformed(stack, specs):
     wait_until(lambda: robot.status()["daemon"]["broadcast"]["heard"] == 1, what="the forger")
     heard = Heard(robot.node(), "**")
     wait_until(lambda: robot.status()["daemon"]["subscriptions"] == ["**"], what="the subscription")
-    for prefix in ("", f"{PREFIX}/"):
-        forger.put(f"{prefix}{keys.digest('r2', 'z2')}", "forged")
-        forger.put(f"{prefix}{keys.state('r2', 'z2')}", "forged")
-    wait_until(lambda: forger.put(f"{PREFIX}/mark", "mark") or heard.samples, what="an ordinary sample")
-    assert robot.status()["refused"] == {"digest:malformed": 1}
+    believed, state = f"{PREFIX}/{keys.digest('r2', 'z2')}", keys.state("r2", "z2")
+
+    def forge():
+        for key in (keys.digest("r2", "z2"), state, f"{PREFIX}/{state}", f"{PREFIX}/mark"):
+            forger.put(key, "forged")
+
+    wait_until(lambda: forge() or heard.samples, what="an ordinary sample")
+    wait_until(lambda: forger.put(believed, "forged") or robot.status()["refused"], what="the digest")
+    assert set(robot.status()["refused"]) == {"digest:malformed"}
     insider = closing(stack, plain_session("peer", connect=(robot.mesh,)))
-    speak = partial(insider.put, keys.digest("r2", "z2"), "forged")
-    wait_until(lambda: speak() or robot.status()["malformed"] > 1, what="its effect")
+    speak = partial(insider.put, state, "forged")
+    wait_until(lambda: speak() or "state:unknown" in robot.status()["refused"], what="its effect")
 
 
 def test_the_status_says_what_was_denied_and_what_bypassed(stack, tmp_path):
