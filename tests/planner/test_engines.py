@@ -45,9 +45,10 @@ def test_same_tree_in_paper_mode(reduction, block):
 
 
 @pytest.mark.parametrize(("reduction", "exploration"), list(itertools.product(REDUCTIONS[1:], (0.35, 0.6))))
-def test_same_tree_while_subtrees_move(reduction, exploration):
+@pytest.mark.parametrize("block", seeds(4, 1))
+def test_same_tree_while_subtrees_move(reduction, exploration, block):
     """Also where better nodes take over what grew below tantamount ones, the trees stay the same."""
-    for seed in range(100):
+    for seed in range(25 * block, 25 * block + 25):
         settings = SearchSettings(search="paper", reduction=reduction, exploration=exploration)
         python, native = both(stale_window(seed), settings)
         python.run(200), native.run(200)
@@ -85,9 +86,10 @@ def test_same_tree_in_best_mode(block):
 
 
 @pytest.mark.parametrize("mode", [("best", "off"), *(("paper", reduction) for reduction in REDUCTIONS)])
-def test_same_tree_whatever_the_aggregation(mode):
+@pytest.mark.parametrize("block", seeds(3, 1))
+def test_same_tree_whatever_the_aggregation(mode, block):
     """All aggregations, side by side and with several receivers, give the same tree on either engine."""
-    for seed in range(60):
+    for seed in range(20 * block, 20 * block + 20):
         settings = SearchSettings(search=mode[0], reduction=mode[1])
         python, native = both(drawn(seed, tuple(Aggregation)), settings)
         for iterations in (1, 20, 120):

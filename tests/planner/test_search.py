@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from planner import Constraint, Linear, Message, Problem, SearchSettings, Stream, start
 from planner.constraints import violations
 from planner.definition import utility
-from tests.planner.windows import objective, open_messages, optimum, window
+from tests.planner.windows import objective, objectives, open_messages, optimum, window
 from tests.seeds import seeds
 
 CHOICES = [
@@ -77,7 +77,7 @@ def test_best_mode_finds_the_optimum(seed, engine):
 def test_best_mode_finds_the_optimum_of_its_objective(seed, engine):
     """Where the mission goes on, it proves and returns the subset of the best U and what is left behind."""
     problem = window(seed, robots=1 + seed % 4, horizon=8, constraints=seed % 3, grid=seed % 2 == 0)
-    best, with_current, without = optimum(problem, objective)
+    best, with_current, without = optimum(problem, objectives)
     search = start(problem, SearchSettings(engine=engine))
     search.run(2000)
     plan = search.plan()

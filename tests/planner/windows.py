@@ -1,5 +1,6 @@
 """Random planning windows and the optimum of small ones, to test searches on."""
 
+import functools
 import itertools
 import random
 from collections.abc import Callable, Iterable, Sequence
@@ -147,38 +148,69 @@ def open_messages(problem: Problem) -> list[int]:
     return [index for index, message in enumerate(problem.messages) if not message.sent]
 
 
-def objective(problem: Problem, sends: Iterable[int]) -> float:
+def utilities(problem: Problem) -> Callable[[Iterable[int]], float]:
+    """U of any messages to send: that of each stream is worked out once for each set of its messages."""
+    return _by_stream(problem, lambda number, chosen: _of(problem, number, chosen, problem.t_end))
+
+
+def objectives(problem: Problem) -> Callable[[Iterable[int]], float]:
     """U, and what every stream leaves behind by its aggregation, less what all sent are charged beyond the window."""
-    chosen, beyond = set(sends), look_beyond(problem)
-    total = -float(sum(beyond.charge[i] for i in chosen))
-    for number, stream in enumerate(problem.streams):
+    beyond = look_beyond(problem)
+
+    def of(number: int, chosen: frozenset[int]) -> float:
+        charged = float(sum(beyond.charge[i] for i in chosen))
         received = [i for i, m in enumerate(problem.messages) if m.stream == number and (m.sent or i in chosen)]
         received.sort(key=lambda i: problem.messages[i].t_rcv)
-        match stream.aggregation:
+        match problem.streams[number].aggregation:
             case Aggregation.MOST_RECENT | Aggregation.CURRENT:
-                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received[-1:]])
+                left = received[-1:]
             case Aggregation.SUM:
-                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received])
+                left = received
             case Aggregation.ONCE:
-                total += _of(problem, number, chosen, problem.t_end) + sum(beyond.worth[received[:1]])
+                left = received[:1]
             case _:
-                total += _of(problem, number, chosen, float(beyond.until[number]))
-    return float(total)
+                return _of(problem, number, chosen, float(beyond.until[number])) - charged
+        return _of(problem, number, chosen, problem.t_end) + float(sum(beyond.worth[left])) - charged
+
+    return _by_stream(problem, of)
 
 
-def _of(problem: Problem, stream: int, chosen: set[int], t_end: float) -> float:
+def objective(problem: Problem, sends: Iterable[int]) -> float:
+    """The objective of one set of messages."""
+    return objectives(problem)(sends)
+
+
+def _by_stream(problem: Problem, of: Callable[[int, frozenset[int]], float]) -> Callable[[Iterable[int]], float]:
+    """Return the sum over all streams of what each is worth by the messages of it that are sent."""
+    known = functools.cache(of)
+    streams = [
+        frozenset(index for index, message in enumerate(problem.messages) if message.stream == number)
+        for number in range(len(problem.streams))
+    ]
+
+    def total(sends: Iterable[int]) -> float:
+        chosen = frozenset(sends)
+        return float(sum(known(number, chosen & stream) for number, stream in enumerate(streams)))
+
+    return total
+
+
+def _of(problem: Problem, stream: int, chosen: frozenset[int], t_end: float) -> float:
     """U of one stream up to `t_end`."""
     silent = tuple(s if at == stream else replace(s, receivers=()) for at, s in enumerate(problem.streams))
     return utility(replace(problem, streams=silent, t_end=t_end), chosen)
 
 
-def optimum(problem: Problem, value: Callable[[Problem, Iterable[int]], float] = utility) -> tuple[float, float, float]:
+def optimum(
+    problem: Problem, values: Callable[[Problem], Callable[[Iterable[int]], float]] = utilities
+) -> tuple[float, float, float]:
     """The greatest value of all subsets that fit: of all, of those with and without `current`."""
     best = {True: float("-inf"), False: float("-inf")}
-    opened = open_messages(problem)
+    opened, value = open_messages(problem), values(problem)
     for chosen in itertools.product((False, True), repeat=len(opened)):
         sends = list(itertools.compress(opened, chosen))
-        if not violations(problem, sends):
-            with_current = problem.current in sends
-            best[with_current] = max(best[with_current], value(problem, sends))
+        with_current = problem.current in sends
+        worth = value(sends)
+        if worth > best[with_current] and not violations(problem, sends):
+            best[with_current] = worth
     return max(best.values()), best[True], best[False]

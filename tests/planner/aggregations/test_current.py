@@ -25,7 +25,7 @@ from planner.constraints import violations
 from planner.definition import utility
 from planner.numpy_tables import tabulate_with_numpy
 from planner.tables import tabulate
-from tests.planner.windows import objective, open_messages, optimum, window
+from tests.planner.windows import objectives, open_messages, optimum, utilities, window
 from tests.seeds import seeds
 
 CURRENT = (Aggregation.CURRENT,)
@@ -137,8 +137,8 @@ def test_best_mode_finds_the_optimum_of_all_subsets(seed, engine, goes_on):
     search = start(drawn, SearchSettings(engine=engine))
     search.run(5000)
     assert search.done
-    value = objective if goes_on else utility
-    assert value(drawn, search.plan().sends) == pytest.approx(optimum(drawn, value)[0], rel=1e-8, abs=1e-8)
+    values = objectives if goes_on else utilities
+    assert values(drawn)(search.plan().sends) == pytest.approx(optimum(drawn, values)[0], rel=1e-8, abs=1e-8)
     assert search.plan().gap == 0.0
 
 
@@ -146,14 +146,14 @@ def test_best_mode_finds_the_optimum_of_all_subsets(seed, engine, goes_on):
 def test_no_plan_exceeds_the_bound_of_a_short_search(seed, goes_on):
     """Values below nothing make no bound wrong."""
     drawn = window(seed, robots=2, horizon=7, constraints=1 + seed % 2, goes_on=goes_on, aggregations=CURRENT * 2)
-    value = objective if goes_on else utility
-    best = optimum(drawn, value)[0]
+    values = objectives if goes_on else utilities
+    value, best = values(drawn), optimum(drawn, values)[0]
     for iterations in (1, 3, 20, 110, 130):
         search = start(drawn, SearchSettings())
         search.run(iterations)
         plan = search.plan()
         if plan.gap is not None:
-            assert value(drawn, plan.sends) + plan.gap >= best - 1e-8 * max(1.0, abs(best))
+            assert value(plan.sends) + plan.gap >= best - 1e-8 * max(1.0, abs(best))
 
 
 @given(st.integers(0, 2**32), st.sampled_from(("off", "paper", "exact")))

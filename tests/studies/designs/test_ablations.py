@@ -17,10 +17,9 @@ from studies.designs.ablations import (
     without_learning,
 )
 from studies.designs.design import worth
-from tests.planner.windows import objective, open_messages, optimum, window
+from tests.planner.windows import objectives, open_messages, optimum, window
 
 WINDOWS = [window(seed, horizon=7, constraints=1 + seed % 2) for seed in range(20)]
-OPTIMA = [optimum(problem, objective)[0] for problem in WINDOWS]
 EXACT = {
     "as it is": Best,
     "without learning": without_learning,
@@ -30,6 +29,12 @@ EXACT = {
     "averaged": lambda tables: with_prices(tables, Averaged, 20),
     "deflected": lambda tables: with_prices(tables, Deflected, 20),
 }
+
+
+@pytest.fixture(scope="module")
+def optima():
+    """What the best plan of each window is worth."""
+    return [optimum(problem, objectives)[0] for problem in WINDOWS]
 
 
 def test_as_it_is_it_decides_what_the_planner_decides():
@@ -42,9 +47,9 @@ def test_as_it_is_it_decides_what_the_planner_decides():
 
 
 @pytest.mark.parametrize("name", EXACT)
-def test_what_prunes_by_bounds_finds_the_optimum(name):
+def test_what_prunes_by_bounds_finds_the_optimum(name, optima):
     """Whatever is left out of learning or dominance costs time, not the proof."""
-    for problem, best in zip(WINDOWS, OPTIMA, strict=True):
+    for problem, best in zip(WINDOWS, optima, strict=True):
         search = EXACT[name](tabulate(problem, beyond=True))
         search.run(100_000)
         assert search.proven

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from planner.tables import tabulate
 from studies.designs.beam import Beam, WideningBeam
 from studies.designs.design import worth
-from tests.planner.windows import objective, optimum, window
+from tests.planner.windows import objectives, optimum, window
 
 
 def reached(beam: Beam) -> float:
@@ -22,7 +22,7 @@ def test_a_beam_of_any_width_finds_the_optimum(seed, by_bound, grid):
     """When no node is left out but tantamount ones of less value, the best plan remains."""
     problem = window(seed, horizon=5, constraints=1 + seed % 2, grid=grid)
     beam = Beam(tabulate(problem, beyond=True), 1_000, by_bound=by_bound)
-    assert reached(beam) == pytest.approx(optimum(problem, objective)[0])
+    assert reached(beam) == pytest.approx(optimum(problem, objectives)[0])
     assert beam.proven
 
 
@@ -32,7 +32,7 @@ def test_a_widening_beam_ends_with_the_best_plan(seed, grid):
     """However narrow it begins, it goes on until nothing was left out."""
     problem = window(seed, horizon=6, constraints=1 + seed % 2, grid=grid)
     beam = WideningBeam(tabulate(problem, beyond=True), width=1, factor=2, rounds=3)
-    assert reached(beam) == pytest.approx(optimum(problem, objective)[0])
+    assert reached(beam) == pytest.approx(optimum(problem, objectives)[0])
     assert beam.proven
 
 
@@ -51,7 +51,7 @@ def test_a_narrow_beam_by_value_is_short_sighted():
     narrow = dict.fromkeys((False, True), 0)
     for seed in range(25):
         problem = window(seed, horizon=6)
-        best = optimum(problem, objective)[0]
+        best = optimum(problem, objectives)[0]
         for by_bound in narrow:
             beam = Beam(tabulate(problem, beyond=True), 1, by_bound=by_bound)
             narrow[by_bound] += reached(beam) < best - 1e-9 * abs(best)

@@ -5,7 +5,7 @@ import pytest
 from planner.tables import tabulate
 from studies.designs.design import worth
 from studies.designs.rollouts import ByAdvantage, ByGainPerUse, CompletedUct
-from tests.planner.windows import objective, optimum, window
+from tests.planner.windows import objectives, optimum, window
 
 POLICIES = (ByGainPerUse, ByAdvantage)
 
@@ -18,7 +18,7 @@ def test_it_finds_the_optimum_of_small_windows(policy):
         search = CompletedUct(tabulate(problem, beyond=True), policy, 0.35)
         search.run(1_500)
         reached = search.tables.gains.aim_facts + worth(search.tables, search.sends())
-        assert reached == pytest.approx(optimum(problem, objective)[0])
+        assert reached == pytest.approx(optimum(problem, objectives)[0])
 
 
 @pytest.mark.parametrize("policy", POLICIES)
