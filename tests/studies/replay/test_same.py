@@ -95,11 +95,11 @@ def folder(tmp_path_factory):
         wait_until(
             lambda: all(len(robot.daemon._loop.core.view.peers) == 1 for robot in robots), what="the other robot"
         )
-        fly(robots, 400)
+        fly(robots, 250)
         for robot in robots:
             robot.file.write_text(TIGHTER)
             robot.daemon.reloading.reload("test")
-        fly(robots, 800, searches=60)
+        fly(robots, 500, searches=60)
     return folder / "recordings"
 
 
@@ -154,7 +154,7 @@ def test_a_real_daemon_s_decisions_are_the_same_to_the_last(folder, robot):
     reader = recording(folder, robot)
     found = replayed([reader])
     assert (found.difference, found.ended, reader.problems) == ("", "", [])
-    assert found.events >= 800
+    assert found.events >= 500
     assert found.decisions > 50
     assert found.commands > found.decisions
     generations = {
