@@ -9,7 +9,7 @@ unexport PYTHONDONTWRITEBYTECODE
 PACKAGES := planner proxy utility_specs studies
 .PHONY: setup demo test test-full test-system lint bench study study-traffic qualify transparency wheel deb man lock clean FORCE
 
-setup: .venv/ready
+setup: .venv/ready .venv/compiled
 
 .venv/bin/python:
 	$(PYTHON) -m venv .venv
@@ -26,6 +26,11 @@ setup: .venv/ready
 .venv/ready: .venv/locked .venv/modules pyproject.toml CMakeLists.txt $(wildcard planner/native/* proxy/profiling/native/*)
 	$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps -e .
 	touch $@
+
+# Tests are compiled here once: else each of the processes that run them would do so for itself, all at the same time.
+.venv/compiled: | .venv/ready
+	-@ls -d tests/*/ | grep -v __pycache__ | xargs -n 6 -P $$(nproc) $(BIN)/python -m pytest -qq --collect-only >/dev/null 2>&1
+	@touch $@
 
 # The network of the simulation study; its wheels are for x86_64 only, and nothing but studies needs them.
 .venv/ns3: studies/ns3/requirements.txt | .venv/locked

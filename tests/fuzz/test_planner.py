@@ -4,6 +4,7 @@ import itertools
 import math
 from dataclasses import replace
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -187,6 +188,7 @@ def mixture(pairs, scales, gaps, *, goes_on=True):
     )
 
 
+@pytest.mark.full
 def test_every_pair_of_aggregations_and_utilities_has_tables():
     """What one stream of a problem is never stands in the way of another."""
     for one, other in itertools.product(AGGREGATIONS, AGGREGATIONS):

@@ -361,7 +361,10 @@ def test_the_same_events_give_the_same_commands(make_talk):
     assert transcript() == transcript()
 
 
-@hypothesis_settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+MOST = min(40, hypothesis_settings().max_examples)
+
+
+@hypothesis_settings(deadline=None, max_examples=MOST, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.sampled_from(["announce", "split"]),
     st.lists(st.tuples(st.integers(1, 400), st.integers(1, 6000)), min_size=20, max_size=60),

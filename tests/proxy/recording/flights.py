@@ -59,7 +59,7 @@ class Doubled:
             assert len(asked.problem.messages) == len(ours.problem.messages)
 
 
-def flown(workload, robots, team, *, loss=0.01, change=None, seconds=10.0, every=67):
+def flown(workload, robots, team, *, loss=0.01, change=None, seconds=7.0, every=53):
     """Fly a mission with doubled cores; return these."""
     cell = Cell(workload, robots, 0.02, loss, 0, seconds)
     how = how_of(cell, team)

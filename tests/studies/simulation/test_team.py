@@ -109,8 +109,15 @@ def test_who_sees_red_sends_more_often(specs, carried, times):
     assert red >= times * others > 0
 
 
-@pytest.mark.parametrize("coordination", ["announce", "split"])
-@pytest.mark.parametrize("close", [1, 11])
+@pytest.mark.parametrize(
+    ("coordination", "close"),
+    [
+        ("announce", 11),
+        ("split", 11),
+        pytest.param("announce", 1, marks=pytest.mark.full),
+        pytest.param("split", 1, marks=pytest.mark.full),
+    ],
+)
 def test_a_stream_that_begins_with_samples_close_together_is_sent(specs, coordination, close):
     """Of a publisher that catches up once it is connected, and whose samples are worth most, most are sent."""
     frames = scene(seconds=6.0)

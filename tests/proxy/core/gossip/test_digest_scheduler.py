@@ -184,7 +184,7 @@ def test_who_is_alone_tells_nothing(make_talk):
     [
         Conditions(robots=4, seconds=10.0, limit=5),
         Conditions(robots=4, seconds=10.0, limit=5, latency=0.2),
-        Conditions(robots=6, seconds=10.0, limit=10, loss=0.1),
+        pytest.param(Conditions(robots=6, seconds=10.0, limit=10, loss=0.1), marks=pytest.mark.full),
         Conditions(robots=4, seconds=10.0, transport="broadcast"),
     ],
     ids=["unicast", "late", "lossy", "broadcast"],

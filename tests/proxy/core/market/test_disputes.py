@@ -4,13 +4,17 @@ from dataclasses import replace
 
 import pytest
 
+from proxy.core.core import Core
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.market.standing import Standing
+from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.view.tuning import TUNING as VIEW
-from tests.proxy.core.talk import only
+from proxy.recording.snapshots import restored, taken
+from tests.proxy.core.talk import Talk, only
 from tests.proxy.core.window.views import plan_of
+from utility_specs import load_specs
 
 SPEC = """
 [[constraint]]
@@ -37,12 +41,22 @@ utility = { kind = "step", lifetime = "10 s" }
 LIMIT, FRAME = 62_500, 26_000
 
 
-@pytest.fixture
-def talk(make_talk, make_specs):
+@pytest.fixture(scope="module")
+def known(tmp_path_factory):
     """A robot with a camera of 10 Hz and odometry of 20 Hz whose samples somebody wants, known for 12 s."""
-    talk = make_talk(make_specs(text=SPEC))
+    path = tmp_path_factory.mktemp("known") / "spec.toml"
+    path.write_text(SPEC)
+    talk = Talk(Core(CoreSettings("r1", "z-r1", coordination="announce", allowance=0.0), load_specs(path), -10.0))
     talk.want(-10.0, keys=("robot/**",))
     run(talk, -9.99, 2.0)
+    return talk
+
+
+@pytest.fixture
+def talk(known):
+    """The same robot for each test, as it is when it begins."""
+    talk = Talk(restored(taken(known.core, 0, 2.0), known.core.view.specs))
+    talk.samples = known.samples
     return talk
 
 

@@ -72,7 +72,10 @@ def test_in_pass_the_order_around_a_deletion_is_kept(make_aggregated):
     assert only(talk.answer(0.5, only(commands)[0], send=True)) == []
 
 
-@hypothesis_settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+MOST = min(150, 2 * hypothesis_settings().max_examples)
+
+
+@hypothesis_settings(deadline=None, max_examples=MOST, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     aggregation=st.sampled_from(AGGREGATIONS),
     coordination=st.sampled_from(["announce", "split"]),

@@ -197,7 +197,7 @@ def test_large_messages_go_by_turns(robots, delay, least):
     """Two frames fit in a window where small messages leave room: they are sent, by all alike, at any latency."""
     flight = fleet(robots, FRAMES, delay=delay)
     sent = dict.fromkeys(flight.splits, 0)
-    windows = 60
+    windows = 40
     for _ in range(round(windows * WINDOW / 0.01)):
         flight.now += 0.01
         flight.exchange()
