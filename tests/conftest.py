@@ -10,7 +10,7 @@ import zenoh
 from hypothesis import settings
 
 # The same examples each time: a failure is what the last change did. New ones are tried by `make qualify`.
-settings.register_profile("default", deadline=None, max_examples=20, derandomize=True)
+settings.register_profile("default", deadline=None, max_examples=12, derandomize=True)
 settings.register_profile("full", deadline=None, max_examples=50, derandomize=True)
 settings.register_profile("qualify", deadline=None, max_examples=3000)
 settings.load_profile("default")

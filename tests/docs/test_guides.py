@@ -108,6 +108,7 @@ def test_the_reference_of_the_configuration(tmp_path):
     assert "SENDWORTHY_PLANNER__ITERATIONS" in text
 
 
+@pytest.mark.full
 def test_what_is_asked_after_an_upgrade(tmp_path):
     """Which version runs."""
     daemon = Running("--robot", "r1", "--specs.path", str(specs_file(tmp_path)))

@@ -401,6 +401,7 @@ sys.exit(cli.main())
 """
 
 
+@pytest.mark.full
 def test_a_process_that_is_not_done_closing_ends_in_order():
     """It does not wait for what still closes, and is no crash to whoever started it."""
     for _ in range(3):

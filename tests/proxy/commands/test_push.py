@@ -153,6 +153,7 @@ def test_robots_with_a_token_obey_who_knows_it(sworn, capsys, monkeypatch):
     assert modes(r1, r2) == ["pass", "pass"]
 
 
+@pytest.mark.full
 def test_a_wrong_token_is_refused_and_a_bad_one_not_even_sent(sworn, tmp_path, capsys, monkeypatch):
     """What each robot says tells which it was."""
     r1, *_ = sworn
@@ -196,6 +197,7 @@ def guarded(start, tmp_path):
     return daemons
 
 
+@pytest.mark.full
 def test_access_control_lets_one_operator_order_and_no_other(guarded, tmp_path, capsys):
     """What is in the manual, word for word: the robot obeys the one and does not hear the other."""
     new = specs_file(tmp_path)

@@ -125,7 +125,7 @@ def test_a_window_that_changes_its_size_is_drawn_anew(daemon, screen):
     top.shows("transport unicast")
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.full), signal.SIGINT])
 def test_the_terminal_is_given_back_whatever_ends_it(daemon, screen, number):
     """Whoever is left in a terminal without echo cannot even see what he types."""
     top = screen("--connect", daemon.endpoint)

@@ -566,6 +566,7 @@ def test_a_newcomer_is_asked_for_its_state_until_it_tells(make_talk):
     assert talk.core.status(120.0)["asked"] == 5
 
 
+@pytest.mark.full
 def test_a_robot_that_has_to_leave_for_a_new_one_is_asked_no_more(make_talk):
     """However many tokens there are, the core goes on."""
     talk = make_talk()

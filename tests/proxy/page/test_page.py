@@ -55,6 +55,7 @@ def watch(stack):
     return open_page
 
 
+@pytest.mark.full
 def test_a_demo_offers_its_world_while_it_is_there(stack, watch, tmp_path):
     """The channel is set, and something red comes into a path; what the demo refuses is said."""
     fleet = Fleet(tmp_path, stack, robots=1, obey=False)

@@ -18,9 +18,9 @@ from utility_specs import Specs
 @pytest.mark.parametrize(
     ("workload", "robots", "team", "loss", "change"),
     [
-        ("mixed", 2, "announce/unicast", 0.01, None),
+        pytest.param("mixed", 2, "announce/unicast", 0.01, None, marks=pytest.mark.full),
         ("mixed", 2, "announce/unicast", 0.01, fewer_types),
-        ("random", 3, "announce/broadcast", 0.1, None),
+        pytest.param("random", 3, "announce/broadcast", 0.1, None, marks=pytest.mark.full),
         ("cameras", 3, "split/unicast", 0.01, None),
     ],
 )

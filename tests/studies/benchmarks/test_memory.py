@@ -12,6 +12,7 @@ def test_both_tables_are_measured(measured):
     assert all(float(row[2]) <= 1.0 for row in growth.rows)
 
 
+@pytest.mark.full
 def test_what_is_held_is_seen():
     """Memory in use grows with what is kept: asked of a process that has nothing to give back."""
     asked = "from studies.benchmarks.memory import resident; before = resident(); kept = b'x' * 20_000_000"

@@ -78,6 +78,7 @@ def test_the_picture_shows_the_screens(demo):
     assert cv2.imread(str(demo["png"])) is not None
 
 
+@pytest.mark.full
 def test_an_interrupted_demo_leaves_no_process(tmp_path):
     """SIGTERM ends everything that the demo has started."""
     mark = f"DEMO_TEST={uuid.uuid4()}"

@@ -65,6 +65,7 @@ def test_no_time_for_any_plan():
         optimum(cameras(20.0, streams=6), time_limit=0.0)
 
 
+@pytest.mark.full
 def test_plan_found_in_time_is_not_called_exact():
     """When the time is up after the first plan was found, it is returned with the bound so far."""
     problem = cameras(8.0, streams=6)
@@ -84,6 +85,7 @@ def test_whole_messages_make_whole_arcs():
     assert np.abs(x - np.round(x)).max() < 1e-6
 
 
+@pytest.mark.full
 def test_more_important_cameras_are_sent_more_often():
     """The bound's plan gives every camera its share, by what its frames are worth."""
     problem = cameras(10.0)

@@ -38,6 +38,7 @@ def test_what_is_worth_most_goes_within_the_limit():
     assert flight.told_on_air()[1].sum() > 0
 
 
+@pytest.mark.full
 def test_what_is_lost_is_sent_in_vain():
     """About so much of it: it counts for the limit, and nobody gains by it. The same seed loses the same."""
     lossy = replace(mission(), loss=0.4)

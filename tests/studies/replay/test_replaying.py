@@ -79,6 +79,7 @@ def test_what_would_have_been_done_is_told_in_figures(capsys):
 
 
 @pytest.mark.usefixtures("place")
+@pytest.mark.full
 def test_other_limits_robots_and_policies_are_tried():
     """More room is worth more; without a bound there is none."""
     _, narrow = replay("--specs", "spec.toml", "--no-bound")
@@ -102,7 +103,7 @@ def test_other_limits_robots_and_policies_are_tried():
 
 
 @pytest.mark.usefixtures("place")
-@pytest.mark.parametrize("policy", ["planner", "fits"])
+@pytest.mark.parametrize("policy", [pytest.param("planner", marks=pytest.mark.full), "fits"])
 def test_loss_is_tried(policy, capsys):
     """What is sent in vain is counted, and the bound still holds."""
     _, kept = replay("--specs", "spec.toml", "--policy", policy)

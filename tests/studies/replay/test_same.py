@@ -148,7 +148,7 @@ def recording(folder, robot):
     return RecordingReader(file)
 
 
-@pytest.mark.parametrize("robot", ["r1", "r2"])
+@pytest.mark.parametrize("robot", ["r1", pytest.param("r2", marks=pytest.mark.full)])
 def test_a_real_daemon_s_decisions_are_the_same_to_the_last(folder, robot):
     """Every plan and every command, over a reload of the specs."""
     reader = recording(folder, robot)
@@ -168,6 +168,7 @@ def test_a_real_daemon_s_decisions_are_the_same_to_the_last(folder, robot):
     assert dropped, "nothing was contended for"
 
 
+@pytest.mark.full
 def test_a_recording_from_the_middle_of_a_life_is_replayed_exactly(middle):
     """What `sendworthy record` begins at any time, over a reload of the specs."""
     first, second = sorted(middle.glob("r1-*.mcap"))
@@ -180,6 +181,7 @@ def test_a_recording_from_the_middle_of_a_life_is_replayed_exactly(middle):
         assert found.decisions > 10
 
 
+@pytest.mark.full
 def test_rotated_files_are_replayed_exactly_without_those_before_them(middle):
     """All that are left together, and each alone."""
     readers = [RecordingReader(file) for file in sorted(middle.glob("r2-*.mcap"))]
@@ -213,6 +215,7 @@ def test_another_process_finds_the_same(middle, seed):
     assert done.stdout.count(", all equal") == 3
 
 
+@pytest.mark.full
 def test_after_a_gap_the_next_snapshot_is_gone_on_with(middle):
     """Each stretch is told of."""
     first, *_, last = [RecordingReader(file) for file in sorted(middle.glob("r2-*.mcap"))]
@@ -233,6 +236,7 @@ class Lacking(list):
         self.start = start
 
 
+@pytest.mark.full
 def test_a_snapshot_that_is_refused_is_told(middle):
     """Of another version, or of what is no core."""
     reader = RecordingReader(next(middle.glob("r1-*.mcap")))
@@ -324,6 +328,7 @@ def test_a_replay_ends_at_a_damaged_place(folder):
     assert replay.found.ended == "events are missing from number 200 on"
 
 
+@pytest.mark.full
 def test_files_of_a_life_are_one_recording(folder, tmp_path):
     """Whatever order they are named in; one that is not the next ends the replay."""
     reader = recording(folder, "r1")

@@ -73,7 +73,9 @@ def windows(deliveries):
     return sizes[1:] - sizes[np.searchsorted(sent, sent - WINDOW, "left")]
 
 
-@pytest.mark.parametrize(("coordination", "loss"), [("split", 0.0), ("split", 0.2), ("announce", 0.0)])
+@pytest.mark.parametrize(
+    ("coordination", "loss"), [pytest.param("split", 0.0, marks=pytest.mark.full), ("split", 0.2), ("announce", 0.0)]
+)
 def test_the_union_of_all_robots_keeps_the_limit(specs, coordination, loss):
     """In `split` in every window, also when a fifth of all messages is lost; in `announce` once news have got through.
 
@@ -189,6 +191,7 @@ def test_in_announce_robots_plan_for_the_union(specs):
     assert 0.3 * 0.9 * RATE * 10.0 <= sent <= 1.05 * 0.9 * RATE * 10.0
 
 
+@pytest.mark.full
 def test_where_robots_broadcast_a_digest_follows_what_was_sent():
     """Most of the time at once, as far as the allowance goes: whoever lost the sample has it from there."""
     how = Conditions(coordination="announce", transport="broadcast", limit=2, seconds=10.0)

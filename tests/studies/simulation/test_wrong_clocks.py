@@ -136,7 +136,7 @@ def test_wrong_wall_clocks_alter_no_decision(right):
     assert min(map(np.mean, same.values())) >= 0.98
 
 
-@pytest.mark.parametrize("flown", ["drifting", "losing"])
+@pytest.mark.parametrize("flown", ["drifting", pytest.param("losing", marks=pytest.mark.full)])
 def test_offsets_are_right_within_what_they_claim(request, flown):
     """However clocks drift, and with digests that are late or lost."""
     flight = request.getfixturevalue(flown)
@@ -146,7 +146,7 @@ def test_offsets_are_right_within_what_they_claim(request, flown):
         assert error <= 0.01
 
 
-@pytest.mark.parametrize("flown", ["quick", "stepping"])
+@pytest.mark.parametrize("flown", ["quick", pytest.param("stepping", marks=pytest.mark.full)])
 def test_latencies_are_right_by_size_on_both_ends(request, flown):
     """As the receiver finds, as the sender is told, and as the third robot overhears."""
     flight = request.getfixturevalue(flown)
@@ -161,6 +161,7 @@ def test_latencies_are_right_by_size_on_both_ends(request, flown):
             assert overheard.of(size) == pytest.approx(truth, abs=0.02)
 
 
+@pytest.mark.full
 def test_losses_are_found_on_both_ends(losing):
     """Of every way by itself."""
     for receiver, sender, peer in believed(losing):

@@ -111,6 +111,7 @@ def test_nothing_that_is_worth_anything_has_no_characteristic(gained):
         Characteristic.of(gained)
 
 
+@pytest.mark.full
 def test_the_same_seed_drops_the_same():
     """And another one others."""
     one = mission(MIXED, 0, seconds=20.0)

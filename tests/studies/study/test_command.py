@@ -40,6 +40,7 @@ def test_an_imported_mission_is_characterised(capsys):
 
 
 @pytest.mark.usefixtures("place")
+@pytest.mark.full
 def test_a_mission_of_the_benchmark_is_characterised(capsys):
     """With what its file says: streams, worth and latency."""
     assert study(MISSIONS / "paper-few.jsonl") == exit_codes.OK

@@ -70,6 +70,7 @@ def test_real_traffic_is_flown_below_its_bound(contender):
     assert bool(found["decision"]) == (contender == "best")
 
 
+@pytest.mark.full
 def test_small_samples_of_real_traffic_arrive():
     """Soon, whatever becomes of images."""
     found = fly_one(REAL.but(scenario="real-mixed", robots=2, network="own"))

@@ -36,6 +36,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.full
 def test_the_page_says_what_was_flown_and_when(folder):
     """And that it is not all of it."""
     text = (folder / "RESULTS.md").read_text()
@@ -44,6 +45,7 @@ def test_the_page_says_what_was_flown_and_when(folder):
     assert "not flown yet" not in text
 
 
+@pytest.mark.full
 def test_words_are_those_of_the_figures(folder):
     """Shares, differences and what agrees."""
     text = (folder / "RESULTS.md").read_text()
@@ -55,6 +57,7 @@ def test_words_are_those_of_the_figures(folder):
     assert "at 0 of 3 points where the channel is not saturated" in text
 
 
+@pytest.mark.full
 def test_real_traffic_stands_beside_what_does_not_plan(folder):
     """By network, with what became of small samples and what it takes."""
     text = (folder / "RESULTS.md").read_text()
@@ -66,12 +69,14 @@ def test_real_traffic_stands_beside_what_does_not_plan(folder):
     assert cells == ["ad hoc", "96.0", "0.0", "1.00", "99.0", "1.0 / 2.0", "1 / 5", "10.0"]
 
 
+@pytest.mark.full
 def test_what_decisions_take_stands_beside_utility(folder):
     """As data, too: that of a flight, by robot and second."""
     spent = json.loads((folder / "results" / "study.json").read_text())["spent"]["loss"]["best mode"]
     assert [(each["decision"], each["processor"]) for each in spent] == [([0.001, 0.005], 0.02)] * 2
 
 
+@pytest.mark.full
 def test_every_figure_is_there(folder):
     """As PNG and SVG, and nothing else than what the page shows."""
     named = set(re.findall(r"results/([\w.-]+)\)", (folder / "RESULTS.md").read_text()))
@@ -92,6 +97,7 @@ def test_a_logarithmic_axis_may_begin_at_nothing(tmp_path):
     assert axis in [ticks[k : k + len(axis)] for k in range(len(ticks))]
 
 
+@pytest.mark.full
 def test_all_figures_are_there_as_data(folder):
     """With what is known of their confidence."""
     data = json.loads((folder / "results" / "study.json").read_text())

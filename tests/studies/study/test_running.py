@@ -33,6 +33,7 @@ def test_what_was_flown_is_not_flown_again(flown):
     assert run(TASKS, Store(flown.path)).flown == 0
 
 
+@pytest.mark.full
 def test_several_processes_reach_the_same(flown, tmp_path):
     """Task by task."""
     store = Store(tmp_path / "records.jsonl")

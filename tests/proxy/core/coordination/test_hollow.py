@@ -157,6 +157,7 @@ def test_without_lies_nothing_is_hollow(specs):
     assert not air.found()
 
 
+@pytest.mark.full
 def test_who_sends_little_for_reasons_of_its_own_is_wronged_by_nobody(tmp_path):
     """A battery that is nearly empty is no lie of robots that have nothing to say."""
     path = tmp_path / "spec.toml"

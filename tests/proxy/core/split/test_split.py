@@ -188,7 +188,7 @@ def test_one_that_never_agrees_keeps_parts_as_they_were():
     ("robots", "delay", "least"),
     [
         (4, 0.02, 0.95),
-        (4, 0.2, 0.9),
+        pytest.param(4, 0.2, 0.9, marks=pytest.mark.full),
         pytest.param(4, 1.0, 0.9, marks=pytest.mark.full),
         pytest.param(8, 0.1, 0.9, marks=pytest.mark.full),
     ],

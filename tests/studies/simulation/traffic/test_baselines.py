@@ -42,6 +42,7 @@ def test_one_sender_keeps_the_limit_whatever_comes():
     assert found.fill > 0.8
 
 
+@pytest.mark.full
 def test_what_is_larger_than_a_part_goes_by_turns_or_is_saved_up_for():
     """In turns the union keeps the limit; who saves up sends more, and several may do so at once. Small samples go."""
     mission = draw("mixed", 8, 0, WARM_UP + 10.0, latency=0.02)
