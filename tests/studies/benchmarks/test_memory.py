@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 
 def test_both_tables_are_measured(measured):
     """Every search names its iterations, nodes and memory; decisions leave next to nothing behind."""

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from studies.replay.flight import Flight
 from studies.replay.samples import Fate, Passed
