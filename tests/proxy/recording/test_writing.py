@@ -49,6 +49,24 @@ def test_what_followed_stands_with_the_event(tmp_path):
     assert (second.commands, second.fault) == ((), "KeyError: 0")
 
 
+def test_events_written_together_stand_as_if_each_was_written_alone(tmp_path):
+    """To the last byte, whether they are written the quick way or not, and behind others of the same chunk."""
+    digest = Digest("r1", "z1", 1.0)
+    events = [published(0), ev.SampleHanded(1.0, 0), ev.TimePassed(0.9), published(1, red=float("inf"))]
+    followed = [(Forward(0), SendDigest(digest)), (), (described(Forward(7)),), (Forward(1),)]
+    for count in (3, 4):
+        paths = [tmp_path / f"{name}{count}.mcap" for name in ("together", "alone")]
+        with RecordingWriter(paths[0], START) as writer:
+            writer.happened(published(5))
+            writer.all_happened(events[:count], followed[:count])
+        with RecordingWriter(paths[1], START) as writer:
+            writer.happened(published(5))
+            for event, commands in zip(events[:count], followed, strict=False):
+                writer.happened(event, commands)
+        together, alone = (path.read_bytes() for path in paths)
+        assert together == alone
+
+
 def test_a_problem_is_told_by_its_size():
     """It follows from the events, and is large."""
     messages = tuple(Message(0, t, t, t + 0.1, Linear(1.0, 0.1), 1.0, (100.0,)) for t in (0.0, 1.0))
