@@ -54,7 +54,8 @@ def lines(events: Sequence[Event], followed: Sequence[Sequence[Any]]) -> list[by
         if not commands:
             return made if nulls == _all_nones(events) else None
         data, more = _all(commands)
-        heads = [_head(type(each)) for each in commands]
+        kinds: list[Any] = list(map(type, commands))
+        heads = list(map(_head, kinds))
         # Nothing takes a null away: so if there are as many in all as there should be, there are in each of them.
         if nulls + more and nulls + more != _all_nones(events) + _all_nones(commands):
             return None
@@ -113,7 +114,8 @@ def _head(kind: type) -> bytes:
 def _all_nones(values: Sequence[Any]) -> int:
     """Return how many None are in all of these. Raises _UntoldError."""
     found = 0
-    for kind in set(map(type, values)):
+    kinds: set[Any] = set(map(type, values))
+    for kind in kinds:
         count = _of_class(kind)
         if count is None:
             raise _UntoldError
