@@ -38,8 +38,10 @@ with --follow each line is one decision. proxy/WHY.md describes every field. The
 such a stream, also where nothing was decided on it yet; 1 when it does not, or no daemon answers; 2 for a wrong command
 line.
 """
-POLL = 0.5
-"""The daemon is asked so often what is new [s]: of 32 decisions a second on one stream none is missed."""
+POLL, OFTEN = 1.0, 0.25
+"""The daemon is asked so often what is new [s], and so often where that is much: a stream's last 16 decisions are kept."""
+MUCH = LAST[1] // 4
+"""New decisions on one stream are many."""
 NARROW, WIDE = 60, 120
 """Text is no narrower and no wider than this."""
 
@@ -159,8 +161,13 @@ def _follow(daemon: Client, robot: str, question: Question, answer: dict[str, An
             following.restarted()
         after = answer["decided"]
         _print(map(clean, following.news(answer, _width())))
-        time.sleep(POLL)
+        time.sleep(pause(answer))
         answer = _answer(daemon, robot, Question(question.key, LAST[1], after))
+
+
+def pause(answer: dict[str, Any]) -> float:
+    """Return how long to wait until the next question [s]: so that no decision is missed, and few are in vain."""
+    return OFTEN if any(len(stream["decisions"]) >= MUCH for stream in answer["streams"]) else POLL
 
 
 def _ago(decision: dict[str, Any]) -> str:

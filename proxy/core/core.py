@@ -168,10 +168,6 @@ class Core:
         pending = self.gate.search.pending
         return None if pending is None else pending.decide
 
-    def decides_on(self, key: str) -> bool:
-        """Whether decisions are made on a key of ours, or were lately: quicker than to look for it in all of them."""
-        return self.gate.decisions.log.knows(key) or self.view.streams.known(self.settings.robot, key) is not None
-
     def decided_keys(self) -> list[str]:
         """The keys of ours that decisions are made on, or were lately."""
         return sorted({*self.gate.decisions.log, *(stream.key for stream in self.view.streams.own())})

@@ -93,7 +93,8 @@ def told(kind: Any) -> bool:
 
 
 def _command(command: Any) -> bytes:
-    return _described(_head(type(command)), _encode(command))
+    kind: Any = type(command)
+    return _described(_head(kind), _encode(command))
 
 
 def _described(head: bytes, data: bytes) -> bytes:

@@ -13,7 +13,7 @@ from contextlib import suppress
 
 from proxy.commands.client import NoAnswerError, connected
 from proxy.commands.top import INTERVAL
-from proxy.commands.why import POLL
+from proxy.commands.why import POLL, pause
 from proxy.top.asking import Asking
 from proxy.why import LAST, Question
 from studies.demo import cue
@@ -48,9 +48,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def follow(endpoint: str, key: str, stop: threading.Event) -> None:
     """Ask a daemon what it decides on a stream, again and again until told to `stop` or it goes away."""
     with suppress(NoAnswerError), connected(endpoint) as daemon:
-        robot, after = daemon.only_robot(), 0
-        while not stop.wait(POLL):
-            after = daemon.why(robot, Question(key, LAST[1], after))["decided"]
+        robot, after, wait = daemon.only_robot(), 0, POLL
+        while not stop.wait(wait):
+            answer = daemon.why(robot, Question(key, LAST[1], after))
+            after, wait = answer["decided"], pause(answer)
 
 
 def scrape(addresses: Sequence[str], every: float, stop: threading.Event) -> None:

@@ -184,10 +184,6 @@ class DecisionLog:
     def __iter__(self) -> Iterator[str]:
         return iter(self._streams)
 
-    def knows(self, key: str) -> bool:
-        """Whether there is anything of a stream."""
-        return key in self._streams
-
     def of(self, key: str) -> list[Entry]:
         """Return what is known of a stream, the oldest first."""
         stream = self._streams.get(key)

@@ -37,6 +37,21 @@ def test_other_programs_read_it(tmp_path):
     assert message.sequence == 10
 
 
+def test_other_programs_read_what_was_not_closed(tmp_path):
+    """While it is written, and when whoever wrote it was killed; what comes next takes the place of the end."""
+    path = tmp_path / "a.mcap"
+    writer = RecordingWriter(path, START)
+    for number in range(3):
+        writer.happened(published(number))
+        writer.flush()
+        with path.open("rb") as file:
+            found = make_reader(file, validate_crcs=True).iter_messages(topics=["events/SamplePublished"])
+            assert [message.sequence for *_, message in found] == [*range(number + 1)]
+        _, problems = entries(path)
+        assert problems == [f"{path} was not closed: its last events may be missing"]
+    writer.abandon()
+
+
 def test_what_followed_stands_with_the_event(tmp_path):
     """Commands in their order, or the fault that the core made."""
     digest = Digest("r1", "z1", 1.0)
