@@ -39,7 +39,7 @@ such a stream, also where nothing was decided on it yet; 1 when it does not, or 
 line.
 """
 POLL, OFTEN = 1.0, 0.25
-"""The daemon is asked so often what is new [s], and so often where that is much: a stream's last 16 decisions are kept."""
+"""The daemon is asked so often what is new [s], and so often where that is much: the last 16 are kept."""
 MUCH = LAST[1] // 4
 """New decisions on one stream are many."""
 NARROW, WIDE = 60, 120
