@@ -4,6 +4,7 @@ import subprocess
 from contextlib import suppress
 
 import pytest
+from mcap.reader import make_reader
 
 from proxy.cli import main
 from tests.faults.scene import Fault, Scene
@@ -48,10 +49,15 @@ def test_a_full_disk_stops_nothing(disk, tmp_path, stack, capsys):
     push = ["push", str(new), "--connect", scene.first.app, "--robot", "a"]
     with Full(disk):
         wait_until(lambda: missing(scene.first), 30.0, "what a recording lacks")
+        recorded = [*(disk / "recordings").glob("*.mcap")]
+        assert recorded
         assert main(push) == 1
         assert "No space left on device" in capsys.readouterr().err
         scene.go_on()
         assert scene.first.status()["specs"] == in_force
+        for path in recorded:
+            with path.open("rb") as file:
+                assert sum(1 for _ in make_reader(file).iter_messages()) > 2, "other programs read what a full disk cut"
     wait_until(lambda: main(push) == 0, 30.0, "new specs to be in force")
     assert scene.first.status()["specs"] != in_force
     scene.go_on()
