@@ -47,7 +47,7 @@ def test_a_full_disk_stops_nothing(disk, tmp_path, stack, capsys):
     in_force, new = scene.first.status()["specs"], tmp_path / "new.toml"
     new.write_text(scene.specs.read_text().replace("4 Mbit/s", "3 Mbit/s"))
     push = ["push", str(new), "--connect", scene.first.app, "--robot", "a"]
-    (path,) = (disk / "recordings").glob("*.mcap")
+    (path,) = (disk / "recordings").glob("a-*.mcap")
     wait_until(lambda: messages(path) > 2, 30.0, "events in the recording")
     with Full(disk):
         wait_until(lambda: missing(scene.first), 30.0, "what a recording lacks")
