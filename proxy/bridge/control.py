@@ -20,7 +20,7 @@ LIVE = b"live"
 """Asks for that part of the status which `sendworthy top` shows."""
 
 
-def _json(data: dict[str, Any]) -> bytes:
+def in_json(data: dict[str, Any]) -> bytes:
     """Return data as JSON: in a fifth of the time that `json` takes, but where a text is none, such as some paths."""
     try:
         return to_json(data, inf_nan_mode="constants")
@@ -79,7 +79,7 @@ class Control:
 
     def _answer_status(self, key: str, query: zenoh.Query) -> None:
         told = self._live() if bytes(query.payload or b"") == LIVE else self._status()
-        self._reply(key, query, _json(told), zenoh.Encoding.APPLICATION_JSON)
+        self._reply(key, query, in_json(told), zenoh.Encoding.APPLICATION_JSON)
 
     def _answer_why(self, key: str, query: zenoh.Query) -> None:
         try:
@@ -87,7 +87,7 @@ class Control:
         except ProxyError as error:
             self._executor.insist(partial(_refuse, query, str(error)))
             return
-        self._reply(key, query, _json(answer), zenoh.Encoding.APPLICATION_JSON)
+        self._reply(key, query, in_json(answer), zenoh.Encoding.APPLICATION_JSON)
 
     def _answer_mode(self, key: str, query: zenoh.Query) -> None:
         try:
