@@ -13,7 +13,7 @@ from contextlib import suppress
 
 from proxy.commands.client import NoAnswerError, connected
 from proxy.commands.top import INTERVAL
-from proxy.commands.why import POLL, pause
+from proxy.commands.why import MOST_PAUSE, pause
 from proxy.top.asking import Asking
 from proxy.why import LAST, Question
 from studies.demo import cue
@@ -48,10 +48,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def follow(endpoint: str, key: str, stop: threading.Event) -> None:
     """Ask a daemon what it decides on a stream, again and again until told to `stop` or it goes away."""
     with suppress(NoAnswerError), connected(endpoint) as daemon:
-        robot, after, wait = daemon.only_robot(), 0, POLL
+        robot, after, wait = daemon.only_robot(), 0, MOST_PAUSE
         while not stop.wait(wait):
             answer = daemon.why(robot, Question(key, LAST[1], after))
-            after, wait = answer["decided"], pause(answer)
+            after, wait = answer["decided"], pause(answer, wait)
 
 
 def scrape(addresses: Sequence[str], every: float, stop: threading.Event) -> None:
