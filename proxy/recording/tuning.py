@@ -16,8 +16,8 @@ class RecordingTuning:
     pause: float = 50e-6
     """Between two slices the lock is free for so long at least [s]: a thread needs 20 to 50 us to wake."""
     flush: float = 2.0
-    """What waits is written this often [s]: so much is lost when the daemon is killed. To wake, and to write a chunk with
-    its index, takes a third of a millisecond, however few events are in it."""
+    """What waits is written this often [s]: so much is lost when the daemon is killed. To wake, and to write a chunk,
+    takes a third of a millisecond, however few events are in it."""
     many: int = 1024
     """So many events are not left waiting until then: at 300 B each."""
     retry: float = 1.0
