@@ -80,9 +80,12 @@ def row_of(now: float, stream: Stream, audience: Audience, copies: int, limits: 
     size = round(stream.sizes.mean)
     use = use_of(size, copies, limits, own=own)
     more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
+    # What others do not tell of goes on as it did: eight robots with cameras kept no room for the small samples of some
+    # of them, as if they were silent, and windows were over the limit by 5 %.
+    until = stream.touched if _is_periodic(stream) and not own else now
     return Row(
         stream,
-        interval_of(now, stream, min(c.window for c in limits)),
+        interval_of(until, stream, min(c.window for c in limits)),
         audience.mean if audience.share > 0.0 else audience.latency,
         stream.newest.scale * audience.share,
         use,
@@ -133,8 +136,11 @@ def rate_known(now: float, stream: Stream, window: float) -> bool:
 
 def _spread(stream: Stream, count: float) -> float:
     """Return the variance of how many samples a stream generates in a window, `count` in the mean."""
-    kind = stream.schedule.kind
-    if kind.startswith("periodic"):
+    if _is_periodic(stream):
         part = count - math.floor(count)
         return max(part * (1.0 - part), TUNING.least_variance)
-    return count + count * count if kind.startswith("bursts") else count
+    return count + count * count if stream.schedule.kind.startswith("bursts") else count
+
+
+def _is_periodic(stream: Stream) -> bool:
+    return stream.schedule.kind.startswith("periodic")

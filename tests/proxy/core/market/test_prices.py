@@ -4,9 +4,10 @@ import pytest
 
 from planner import Aggregation, Throughput
 from proxy.core.market.prices import Market
-from proxy.core.market.standing import Row, Standing, interval_of, reserve
+from proxy.core.market.standing import Row, Standing, interval_of, reserve, row_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
+from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Generated, Sent, Stream
 
 HORIZON = 120
@@ -124,6 +125,15 @@ def test_a_new_stream_generates_no_more_than_as_many_again(make_row):
     assert interval_of(9.0, make_row("odometry", 20.0, 116).stream, 0.5) == pytest.approx(0.05)
     seldom = make_row("odometry", 100.0, 116, generated=2).stream  # twice in so long
     assert interval_of(seldom.began + 8.0, seldom, 0.5) == pytest.approx(8.0 / 4)
+
+
+def test_what_others_do_not_tell_of_goes_on_as_it_did(make_row):
+    """They tell of few streams at a time; of our own we know that they are silent."""
+    stream = make_row("odometry", 20.0, 116, generated=6).stream
+    stream.touch(0.25)
+    audience = Audience(116, 0.01, 0.0, ())
+    intervals = [row_of(9.0, stream, audience, 1, (LIMIT,), own=own).interval for own in (False, True)]
+    assert intervals == pytest.approx([0.05, 9.0 / 8])
 
 
 def test_what_shows_too_much_is_not_hopeless(make_row):
