@@ -97,7 +97,8 @@ def rivals(
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
     if stream.sent is None and now < (known := stream.began + TUNING.first_news):
         alike = use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits)
-        taken, until = both(taken, [_strangers(now, view) * use for use in alike]), known
+        if changes_plans(alike, limits):
+            taken, until = both(taken, [_strangers(now, view) * use for use in alike]), known
     if not claims:
         return taken, until
     ours, news, opened = claim(now, stream), news_take(view), grew(now)
