@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from proxy.core.market.pace import at_pace, pace_part
-from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, reserve, row_of
+from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, count_new, reserve, row_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
@@ -42,6 +42,8 @@ class Disputes:
         self._alone = False
         self._weighed: dict[Place, Weighed] = {}
         self._market: Market | None = None
+        self._new = 1
+        """So many streams were new then."""
         self._load: tuple[tuple[Stream, int], ...] = ()
         """The streams that are booked, and in how many copies their samples go."""
         self._reserve: Amounts = ()
@@ -72,6 +74,7 @@ class Disputes:
             return
         view, self._weighed_at, self._limits, self._alone = self._view, now, limits, alone
         competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
+        self._new = count_new(now, competing, limits)
         rows = [self._row(now, stream) for stream in competing] if limits else []
         if alone:
             rows = [row for row in rows if row.has_room(limits)]
@@ -159,7 +162,7 @@ class Disputes:
         """What there is to know of a stream."""
         view = self._view
         copies, audience = view.subscribers.copies(stream), view.audiences.of(now, stream)
-        return row_of(now, stream, audience, copies, self._limits, own=self._own(stream))
+        return row_of(now, stream, audience, copies, self._limits, own=self._own(stream), new=self._new)
 
     def _book(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> None:
         """Book what is no decision."""

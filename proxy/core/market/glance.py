@@ -4,7 +4,7 @@ What decisions need is worked out now and then and remembered. Whoever asked tha
 at other moments than otherwise, and so change later decisions.
 """
 
-from proxy.core.market.standing import Amounts, Row, row_of
+from proxy.core.market.standing import Amounts, Row, count_new, row_of
 from proxy.core.model.limits import Limit
 from proxy.core.view.audience import Audience, audience_of
 from proxy.core.view.paths import Fan
@@ -50,7 +50,8 @@ class Glance:
         """
         view, own = self._view, self._view.settings.robot
         competing = [s for s in view.contention.all(self._now) if not alone or s.robot == own] if limits else []
-        rows = [self._row(stream, limits) for stream in competing]
+        new = count_new(self._now, competing, limits)
+        rows = [self._row(stream, limits, new) for stream in competing]
         if alone:
             rows = [row for row in rows if row.has_room(limits)]
         if not rows:
@@ -59,10 +60,11 @@ class Glance:
 
         return tuple(Market.of(rows, limits, view.settings.horizon)[0].prices)
 
-    def _row(self, stream: Stream, limits: tuple[Limit, ...]) -> Row:
+    def _row(self, stream: Stream, limits: tuple[Limit, ...], new: int) -> Row:
         subscribers = self._view.subscribers
         audience, copies = self._audience(stream, subscribers.gaining(stream)), subscribers.copies(stream)
-        return row_of(self._now, stream, audience, copies, limits, own=stream.robot == self._view.settings.robot)
+        own = stream.robot == self._view.settings.robot
+        return row_of(self._now, stream, audience, copies, limits, own=own, new=new)
 
     def _audience(self, stream: Stream, names: tuple[str, ...]) -> Audience:
         place = stream.robot, stream.last.size if stream.last else 0, names

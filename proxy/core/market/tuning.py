@@ -50,6 +50,8 @@ class MarketTuning:
     """In both the count of a periodic stream in a window varies by at least this: by one or none."""
     rhythm_samples: int = 3
     """Of a stream that generated fewer samples nobody knows how far apart they are."""
+    new_samples: float = 2.5
+    """A new stream that is alone may have generated so many more samples than half of one less than it has so far."""
     rate_samples: int = 8
     """Of a stream that generated fewer samples nobody can say how often it does."""
     longest: float = 300.0

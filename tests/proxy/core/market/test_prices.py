@@ -4,9 +4,10 @@ import pytest
 
 from planner import Aggregation, Throughput
 from proxy.core.market.prices import Market
-from proxy.core.market.standing import Row, Standing, interval_of, reserve
+from proxy.core.market.standing import Row, Standing, count_new, interval_of, reserve, row_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
+from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Generated, Sent, Stream
 
 HORIZON = 120
@@ -124,6 +125,26 @@ def test_a_new_stream_generates_no_more_than_as_many_again(make_row):
     assert interval_of(9.0, make_row("odometry", 20.0, 116).stream, 0.5) == pytest.approx(0.05)
     seldom = make_row("odometry", 100.0, 116, generated=2).stream  # twice in so long
     assert interval_of(seldom.began + 8.0, seldom, 0.5) == pytest.approx(8.0 / 4)
+
+
+def test_of_many_new_streams_not_all_generate_more_than_expected(make_row):
+    """Of 2,000 that said one thing a second ago nobody expects thousands of samples a second."""
+    streams = [make_row("odometry", 1.0, 116, generated=1).stream] * 2_000
+    new = count_new(1.0, streams, (LIMIT,))
+    assert new == len(streams)
+    alone, among = interval_of(1.0, streams[0], 0.5), interval_of(1.0, streams[0], 0.5, new=new)
+    assert alone == pytest.approx(1.0 / 3.0)
+    assert among > 1.7
+    assert count_new(9.0, [make_row("odometry", 20.0, 116).stream], (LIMIT,)) == 1
+
+
+def test_what_others_do_not_tell_of_goes_on_as_it_did(make_row):
+    """They tell of few streams at a time; of our own we know that they are silent."""
+    stream = make_row("odometry", 20.0, 116, generated=6).stream
+    stream.touch(0.25)
+    audience = Audience(116, 0.01, 0.0, ())
+    intervals = [row_of(9.0, stream, audience, 1, (LIMIT,), own=own).interval for own in (False, True)]
+    assert intervals == pytest.approx([0.05, 9.0 / 8])
 
 
 def test_what_shows_too_much_is_not_hopeless(make_row):
