@@ -34,7 +34,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Standing
-from proxy.core.model.limits import Limit, changes_plans, use_of
+from proxy.core.model.limits import Limit, changes_plans, exceeds, use_of
 from proxy.core.view.stream import Stream, excess
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import initial, integral
@@ -97,7 +97,7 @@ def rivals(
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
     if stream.sent is None and now < (known := stream.began + TUNING.first_news):
         alike = use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits)
-        if changes_plans(alike, limits):
+        if changes_plans(alike, limits) and not exceeds(TUNING.seldom_size, alike, limits):
             taken, until = both(taken, [_strangers(now, view) * use for use in alike]), known
     if not claims:
         return taken, until
