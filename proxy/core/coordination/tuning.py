@@ -121,8 +121,8 @@ class CoordinationTuning:
     with 1.3 to 3.0 at 0.3, and 95.6 to 98.8 with 2.1 to 3.4 at 0.5 (four seeds; 20 and 100 ms, unicast, broadcast)."""
     first_news: float = 0.15
     """A new stream whose samples are no larger than `seldom_size` leaves room for as many as there are robots that have
-    just been met and have not said what they send, for so long [s]: two of ten robots with equal messages that began within 13 ms sent at one moment,
-    where news take 20."""
+    just been met and have not said what they send, for so long [s]: two of ten robots with equal messages that began
+    within 13 ms sent at one moment, where news take 20."""
     claim_tolerance: float = 0.003
     """Clocks and the wire round: who has the later name counts as silent for so much longer, or two take their own
     claim for the best that are as long silent as each other [s]. Where nothing of a stream was sent it is one period:
