@@ -33,8 +33,8 @@ class CoordinationTuning:
     ways_time: float = 10.0
     """Who begins and broadcasts splits until it knows how long news take, where its large samples may come seldom: so
     long at most [s]. At 1 s ten robots with equal messages sent in their first 2 s what fits into two windows, and then
-    nothing for 6; they reached 79 to 89 % of a central decider and reach 88 to 92 (three seeds). At 20 ms, where they
-    reach as much as before, they begin 2 s later."""
+    nothing for 6; they reached 79 to 89 % of a central decider and reach 88 to 92 (three seeds). At 20 ms
+    they reach as much as before."""
     dear_time: float = 2.0
     """... a small team changes over when they have for so long [s]: what few samples say of sizes and rates varies."""
     hysteresis: float = 0.8
