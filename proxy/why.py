@@ -62,7 +62,8 @@ def read(raw: bytes) -> Question:
 
 def answer(core: Core, now: float, question: Question) -> dict[str, Any]:
     """Return what the core knows of the streams that are meant as plain JSON data; `problem` says why of none."""
-    keys = meant(question.key, core.decided_keys())
+    asked = question.key  # most often one key, by who follows it again and again: then the others need no look
+    keys = [asked] if _is_decided(core, asked) else meant(asked, core.decided_keys())
     told = keys[: TUNING.streams_told]
     last = max(1, min(question.last, TUNING.decisions_told // max(len(told), 1)))
     return {
@@ -75,6 +76,11 @@ def answer(core: Core, now: float, question: Question) -> dict[str, Any]:
         "left_out": keys[len(told) :],
         "problem": None if keys else _problem(core, question.key),
     }
+
+
+def _is_decided(core: Core, key: str) -> bool:
+    """Whether decisions are made on a key of ours, or were lately."""
+    return bool(core.gate.decisions.log.of(key)) or core.view.streams.known(core.settings.robot, key) is not None
 
 
 def meant(asked: str, known: list[str]) -> list[str]:

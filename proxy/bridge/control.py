@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 import zenoh
+from pydantic_core import to_json
 
 from proxy.bridge import keys
 from proxy.bridge.declaration import Declaration
@@ -17,7 +18,14 @@ from proxy.profiling.request import Request, read
 
 LIVE = b"live"
 """Asks for that part of the status which `sendworthy top` shows."""
-_compact = json.JSONEncoder(check_circular=False, separators=(",", ":")).encode
+
+
+def in_json(data: dict[str, Any]) -> bytes:
+    """Return data as JSON: in a fifth of the time that `json` takes, but where a text is none, such as some paths."""
+    try:
+        return to_json(data, inf_nan_mode="constants")
+    except ValueError:
+        return json.dumps(data).encode()
 
 
 class Control:
@@ -71,7 +79,7 @@ class Control:
 
     def _answer_status(self, key: str, query: zenoh.Query) -> None:
         told = self._live() if bytes(query.payload or b"") == LIVE else self._status()
-        self._reply(key, query, _compact(told), zenoh.Encoding.APPLICATION_JSON)
+        self._reply(key, query, in_json(told), zenoh.Encoding.APPLICATION_JSON)
 
     def _answer_why(self, key: str, query: zenoh.Query) -> None:
         try:
@@ -79,7 +87,7 @@ class Control:
         except ProxyError as error:
             self._executor.insist(partial(_refuse, query, str(error)))
             return
-        self._reply(key, query, json.dumps(answer), zenoh.Encoding.APPLICATION_JSON)
+        self._reply(key, query, in_json(answer), zenoh.Encoding.APPLICATION_JSON)
 
     def _answer_mode(self, key: str, query: zenoh.Query) -> None:
         try:
@@ -105,12 +113,12 @@ class Control:
     def _answer_specs(self, key: str, query: zenoh.Query) -> None:
         self._reply(key, query, json.dumps(self._specs()), zenoh.Encoding.APPLICATION_JSON)
 
-    def _reply(self, key: str, query: zenoh.Query, payload: str, encoding: zenoh.Encoding) -> None:
+    def _reply(self, key: str, query: zenoh.Query, payload: bytes | str, encoding: zenoh.Encoding) -> None:
         # Not on the loop's thread: an asker that does not read must not hold up decisions.
         self._executor.insist(partial(_tell, query, key, payload, encoding))
 
 
-def _tell(query: zenoh.Query, key: str, payload: str, encoding: zenoh.Encoding) -> None:
+def _tell(query: zenoh.Query, key: str, payload: bytes | str, encoding: zenoh.Encoding) -> None:
     with query:
         query.reply(key, payload, encoding=encoding)
 

@@ -112,7 +112,7 @@ def _ended(told: dict[str, Any]) -> int:
 def _so_far(told: dict[str, Any]) -> str:
     missing = f", {told['missing']:,} missing" if told["missing"] else ""
     problem = f" ({told['problem']})" if told["problem"] else ""
-    return f"{told['events']:,} events, {told['bytes'] / 1e6:,.2f} MB{missing}{problem}"
+    return f"{told['events']:,} event{'s' * (told['events'] != 1)}, {told['bytes'] / 1e6:,.2f} MB{missing}{problem}"
 
 
 def _seconds(text: str) -> float:

@@ -38,8 +38,10 @@ with --follow each line is one decision. proxy/WHY.md describes every field. The
 such a stream, also where nothing was decided on it yet; 1 when it does not, or no daemon answers; 2 for a wrong command
 line.
 """
-POLL = 0.2
-"""The daemon is asked so often what is new [s]."""
+MOST_PAUSE, LEAST_PAUSE = 1.0, 0.1
+"""The daemon is asked again after so long [s]: the less is decided on a stream, the longer..."""
+AT_ONCE = LAST[1] * 3 // 4
+"""... so that an answer has so many decisions at most, of those that are kept."""
 NARROW, WIDE = 60, 120
 """Text is no narrower and no wider than this."""
 
@@ -153,14 +155,24 @@ def _answer(daemon: Client, robot: str, question: Question) -> dict[str, Any]:
 
 def _follow(daemon: Client, robot: str, question: Question, answer: dict[str, Any], *, as_json: bool) -> None:
     """Print what is decided, until somebody stops us. Raises NoAnswerError when the daemon goes away."""
-    following, after = Following(as_json=as_json), 0
+    following, after, wait = Following(as_json=as_json), 0, LEAST_PAUSE
     while True:
         if answer["decided"] < after:
             following.restarted()
         after = answer["decided"]
         _print(map(clean, following.news(answer, _width())))
-        time.sleep(POLL)
+        wait = pause(answer, wait)
+        time.sleep(wait)
         answer = _answer(daemon, robot, Question(question.key, LAST[1], after))
+
+
+def pause(answer: dict[str, Any], last: float) -> float:
+    """Return how long to wait until the next question, after waiting `last` for this answer [s].
+
+    So no decision is missed, and few questions are in vain.
+    """
+    most = max((len(stream["decisions"]) for stream in answer["streams"]), default=0)
+    return min(MOST_PAUSE, max(LEAST_PAUSE, last * AT_ONCE / max(most, 1)))
 
 
 def _ago(decision: dict[str, Any]) -> str:

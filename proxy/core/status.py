@@ -86,7 +86,7 @@ def live_streams(core: Parts, now: float) -> dict[str, Any]:
     That is a third of the text, and takes half as long.
     """
     glance = Glance(core.view, now)
-    rows = [_live(core, stream, glance, now, glance.latency(stream)) for stream in core.view.streams]
+    rows = [_live(stream, glance, now, *glance.wanted(stream)) for stream in core.view.streams]
     return {"columns": LIVE, "rows": rows}
 
 
@@ -156,9 +156,9 @@ def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
 
 
 def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str, Any]:
-    sent, latency = stream.sent, glance.latency(stream)
+    sent, (count, latency) = stream.sent, glance.wanted(stream)
     return {
-        **dict(zip(LIVE, _live(core, stream, glance, now, latency), strict=True)),
+        **dict(zip(LIVE, _live(stream, glance, now, count, latency), strict=True)),
         "schedule": stream.schedule.kind,
         "period": stream.schedule.period,
         "jitter": stream.schedule.jitter,
@@ -169,9 +169,10 @@ def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str
     }
 
 
-def _live(core: Parts, stream: Stream, glance: Glance, now: float, latency: float | None) -> tuple[Any, ...]:
-    """Return the values of `LIVE`."""
+def _live(stream: Stream, glance: Glance, now: float, count: int, latency: float | None) -> tuple[Any, ...]:
+    """Return the values of `LIVE`; so many robots want the stream, and its samples take so long to them."""
     fates, last, there = stream.fates, stream.last, glance.there(stream, latency)
+    generated, forwarded = stream.generated, stream.forwarded
     return (
         stream.robot,
         stream.key,
@@ -179,10 +180,10 @@ def _live(core: Parts, stream: Stream, glance: Glance, now: float, latency: floa
         last.size if last else 0,
         last.scale if last else 0.0,
         there.scale if there else None,
-        max(stream.generated, stream.forwarded),  # what is heard from the air digests tell of later
-        stream.forwarded,
+        max(forwarded, generated),  # what is heard from the air digests tell of later
+        forwarded,
         dict(sorted(fates.items())) if len(fates) > 1 else dict(fates),
-        core.view.subscribers.count(stream),
+        count,
         now - there.t_gen if there else None,
         now - last.t_gen if last else None,
     )

@@ -17,6 +17,7 @@ def stream_decisions(core: Parts, now: float, key: str, last: int, after: int) -
     """Return the last decisions on our stream of a key, the oldest first, and what is undecided of it."""
     robot, log = core.settings.robot, core.gate.decisions.log
     stream, entries = core.view.streams.known(robot, key), log.of(key)
+    share = 0.0 if stream is None else sum(each.share for each in core.view.audiences.of(now, stream).receivers)
     return {
         "robot": robot,
         "key": key,
@@ -27,7 +28,7 @@ def stream_decisions(core: Parts, now: float, key: str, last: int, after: int) -
         "forwarded": 0 if stream is None else stream.forwarded,
         "by_reason": {} if stream is None else dict(sorted(stream.fates.items())),
         "undecided": _undecided(core, now, key),
-        "decisions": [_entry(core, now, stream, each) for each in entries if each.number > after][-last:],
+        "decisions": [_entry(core, now, stream, share, each) for each in entries if each.number > after][-last:],
     }
 
 
@@ -44,7 +45,7 @@ def _undecided(core: Parts, now: float, key: str) -> list[dict[str, Any]]:
     ]
 
 
-def _entry(core: Parts, now: float, stream: Stream | None, entry: Entry) -> dict[str, Any]:
+def _entry(core: Parts, now: float, stream: Stream | None, share: float, entry: Entry) -> dict[str, Any]:
     why, sample = entry.why, entry.sample
     held = None if sample is None else max(0.0, entry.until - sample.t_gen)
     return {
@@ -62,7 +63,7 @@ def _entry(core: Parts, now: float, stream: Stream | None, entry: Entry) -> dict
         "copy_to": _robot(core, entry.to),
         "size": None if sample is None else sample.size,
         "decided_at_age": held,
-        "worth": _worth(core, now, stream, sample) if why.searched is None else why.searched.this.worth,
+        "worth": _worth(stream, share, sample) if why.searched is None else why.searched.this.worth,
         "market": None if why.weighed is None else _market(why.weighed),
         "search": None if why.searched is None else _search(why.searched),
     }
@@ -74,11 +75,10 @@ def _robot(core: Parts, to: str) -> str | None:
     return peer.robot if peer is not None else to or None
 
 
-def _worth(core: Parts, now: float, stream: Stream | None, sample: Waiting | None) -> float | None:
+def _worth(stream: Stream | None, share: float, sample: Waiting | None) -> float | None:
     """Return what a sample is worth to all who want it in its first second [utility·s], as far as that is known."""
     if stream is None or sample is None:
         return None
-    share = sum(receiver.share for receiver in core.view.audiences.of(now, stream).receivers)
     return sample.scale * share * integral(stream.information_type.utility_of(sample.features), 1.0)
 
 

@@ -15,7 +15,7 @@ class RecordingFolder:
     """
 
     def __init__(self, path: Path, robot: str, disk: int, began: float) -> None:
-        self.path = path
+        self.path = path.absolute()
         self._disk = disk
         name = _FORBIDDEN.sub("_", robot)
         self._stem = f"{name}-{datetime.fromtimestamp(began, UTC):%Y%m%dT%H%M%SZ}"

@@ -1,6 +1,7 @@
 """Counts what a recording does not have."""
 
 from collections import Counter
+from collections.abc import Iterable
 
 from proxy.core.interface.events import Event, SamplePublished
 from proxy.recording.entries import Gap
@@ -25,6 +26,14 @@ class Missing:
         if self.first is None:
             self.first = number
         self._kinds.append(type(event))
+        if len(self._kinds) >= _MANY:
+            self._count()
+
+    def all_events(self, first: int, events: Iterable[Event]) -> None:
+        """Count events in a row, from number `first` on."""
+        if self.first is None:
+            self.first = first
+        self._kinds += map(type, events)
         if len(self._kinds) >= _MANY:
             self._count()
 

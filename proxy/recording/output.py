@@ -5,7 +5,7 @@ Only the recorder's thread is in here. Needs the extra `record`.
 
 import logging
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -106,20 +106,26 @@ class Output:
         if writer.pending >= TUNING.chunk:
             self.flush()
 
-    def add_all(self, items: Iterable[Taken | Missing | Head]) -> None:
+    def add_all(self, items: Sequence[Taken | Missing | Head]) -> None:
         """Take in what comes next: as `add` of each, which takes twice the time."""
-        writer, seen = None if self.stuck else self._writer, self._in_hand.event
-        for item in items:
-            if writer is None or type(item) is not tuple or item[4] is not None or type(item[1]) is SpecsChanged:
-                self.add(item)
-                writer, seen = None if self.stuck else self._writer, self._in_hand.event
-                continue
-            number, event, commands, fault, _ = item
-            self._number, self._now = number + 1, event.now
-            seen(number, event)
-            writer.happened(event, commands, fault)
-        if writer is not None and writer.pending >= TUNING.chunk:
+        if not self._add_plain(items):
+            for each in items:
+                self.add(each)
+
+    def _add_plain(self, items: Sequence[Any]) -> bool:
+        """Take in events that have nothing written before them, and made no fault; whether all are such."""
+        writer = self._writer
+        if writer is None or self._missing or set(map(type, items)) != {tuple}:
+            return False
+        numbers, events, followed, faults, payloads = zip(*items, strict=True)
+        if any(faults) or payloads.count(None) < len(items) or SpecsChanged in set(map(type, events)):
+            return False
+        self._in_hand.all_events(numbers[0], events)
+        self._number, self._now = numbers[-1] + 1, events[-1].now
+        writer.all_happened(events, followed)
+        if writer.pending >= TUNING.chunk:
             self.flush()
+        return True
 
     def _skip(self, item: Taken) -> None:
         """Count an event that cannot be written now."""

@@ -4,10 +4,12 @@ msgspec writes `null` for a number that is not finite, too, and bytes in another
 than values that are None is left to `json_data`, as is a class of which that cannot be told. Needs the extra `record`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import StrEnum
 from functools import cache
+from itertools import chain
+from operator import attrgetter
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -19,7 +21,8 @@ from proxy.core.interface.events import Event
 Counting = Callable[[Any], int]
 """Says how many values in a value are None."""
 _SCALARS = (bool, int, float, str)
-_encode = Encoder(enc_hook=dict).encode  # what it does not know is a read-only table
+_encoder = Encoder(enc_hook=dict)  # what it does not know is a read-only table
+_encode, _encode_lines = _encoder.encode, _encoder.encode_lines
 
 
 class _UntoldError(Exception):
@@ -43,6 +46,47 @@ def line(event: Event, commands: Sequence[Any]) -> bytes | None:
     return made
 
 
+def lines(events: Sequence[Event], followed: Sequence[Sequence[Any]]) -> list[bytes] | None:
+    """Return what `line` returns of each event, in half the time; None where it returns None of any."""
+    commands = list(chain.from_iterable(followed))
+    try:
+        made, nulls = _all(events)
+        if not commands:
+            return made if nulls == _all_nones(events) else None
+        data, more = _all(commands)
+        kinds: list[Any] = list(map(type, commands))
+        heads = list(map(_head, kinds))
+        # Nothing takes a null away: so if there are as many in all as there should be, there are in each of them.
+        if nulls + more and nulls + more != _all_nones(events) + _all_nones(commands):
+            return None
+    except (_UntoldError, MsgspecError, TypeError, ValueError, OverflowError):
+        return None
+    return list(_joined(made, followed, heads, data))
+
+
+def _joined(
+    events: Sequence[bytes], followed: Sequence[Sequence[Any]], heads: Sequence[bytes], data: Sequence[bytes]
+) -> Iterator[bytes]:
+    """Yield each event with as many of the commands as followed it."""
+    at = 0
+    for event, those in zip(events, followed, strict=True):
+        if not those:
+            yield event
+        elif len(those) == 1 and heads[at] and len(data[at]) > len(b"{}"):  # as nearly always: a third of the time
+            yield b'%b,"commands":[%b%b]}' % (event[:-1], heads[at], data[at][1:])
+            at += 1
+        else:
+            end = at + len(those)
+            yield event[:-1] + b',"commands":[' + b",".join(map(_described, heads[at:end], data[at:end])) + b"]}"
+            at = end
+
+
+def _all(values: Sequence[Any]) -> tuple[list[bytes], int]:
+    """Return each value as JSON, and how often the word null is in there."""
+    text: bytes = _encode_lines(values)
+    return text.split(b"\n")[:-1], text.count(b"null")
+
+
 def told(kind: Any) -> bool:
     """Whether events or commands of a class are not left to `json_data` beforehand."""
     return _of_class(kind) is not None
@@ -50,18 +94,35 @@ def told(kind: Any) -> bool:
 
 def _command(command: Any) -> bytes:
     kind: Any = type(command)
-    data: bytes = _encode(command)
-    if kind is dict:
-        return data
-    return _head(kind) + b"," + data[1:] if len(data) > len(b"{}") else _head(kind) + b"}"
+    return _described(_head(kind), _encode(command))
+
+
+def _described(head: bytes, data: bytes) -> bytes:
+    """Return a command as it stands in a line: behind its head, which says of which class it is."""
+    return head + data[1:] if head and len(data) > len(b"{}") else head[:-1] + b"}" if head else data
 
 
 @cache
 def _head(kind: type) -> bytes:
-    """Return what commands of a class begin with. Raises _UntoldError."""
+    """Return what commands of a class begin with; nothing if they are described already. Raises _UntoldError."""
+    if kind is dict:
+        return b""
     if _of_class(kind) is None:
         raise _UntoldError
-    return b'{"command":"%b"' % kind.__name__.encode()
+    return b'{"command":"%b",' % kind.__name__.encode()
+
+
+def _all_nones(values: Sequence[Any]) -> int:
+    """Return how many None are in all of these. Raises _UntoldError."""
+    found = 0
+    kinds: set[Any] = set(map(type, values))
+    for kind in kinds:
+        count = _of_class(kind)
+        if count is None:
+            raise _UntoldError
+        if count is not _never:
+            found += sum([count(each) for each in values if type(each) is kind])
+    return found
 
 
 def _nones(value: Any) -> int:
@@ -108,6 +169,10 @@ def _counting(kind: Any) -> Counting | None:
 def _in_class(kind: Any) -> Counting | None:
     hints = get_type_hints(kind)
     found = [(each.name, count) for each in fields(kind) if (count := _counting(hints[each.name])) is not None]
+    if len(found) == 1:  # as of the samples of applications, which are most of what is written
+        ((only, counting),) = found
+        value_of = attrgetter(only)
+        return lambda value: counting(value_of(value))
     return (lambda value: sum([count(getattr(value, name)) for name, count in found])) if found else None
 
 
@@ -119,8 +184,14 @@ def _in_union(kinds: tuple[Any, ...]) -> Counting | None:
         return None
     if len(counts) > 1:
         raise _UntoldError
-    count = counts[0] if counts else _never
+    if not counts:
+        return _is_none
+    (count,) = counts
     return lambda value: value is None or count(value)
+
+
+def _is_none(value: Any) -> bool:
+    return value is None
 
 
 def _in_all(parts: Callable[[Any], Any], kinds: set[Any]) -> Counting | None:

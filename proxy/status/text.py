@@ -142,7 +142,7 @@ def _decisions(decisions: Status, width: int | None) -> list[str]:
     if not (made or without or decisions.get("late")):
         return []
     each = f", {decisions.get('iterations', 0) / made:.0f} iterations each" if made else ""
-    rows = [("decided", f"{made} times{each}"), *without]
+    rows = [("decided", f"{made} {'time' if made == 1 else 'times'}{each}"), *without]
     if decisions.get("seconds"):
         longest = duration(decisions.get("longest"))
         rows.append(("time", f"{duration(decisions['seconds'] / made)} each, the longest {longest}"))

@@ -45,7 +45,8 @@ class Change:
         old = {} if self.before is None else {_place(each): each for each in self.before.get("streams", ())}
         for stream in self.now.get("streams", ()):
             was = old.get(_place(stream))
-            made, sent = (self._growth(stream, was, name) for name in ("generated", "forwarded"))
+            over = self._span(stream, was)
+            made, sent = (self._growth(stream, was, name, over) for name in ("generated", "forwarded"))
             yield {
                 **stream,
                 "made": made,
@@ -55,10 +56,19 @@ class Change:
                 "why": self._reasons(stream.get("by_reason", {}), None if was is None else was.get("by_reason", {})),
             }
 
-    def _growth(self, now: Status, before: Status | None, name: str) -> float | None:
-        if self.seconds <= 0.0 or before is None:
+    def _span(self, now: Status, before: Status | None) -> float:
+        """Return the time in which a stream's counts grew [s]: of what others tell now and then, from news to news."""
+        was, age = None if before is None else before.get("last_generated"), now.get("last_generated")
+        if now.get("robot") == self.now.get("robot") or was is None or age is None:
+            return self.seconds
+        span = float(self.seconds + was - age)
+        return span if span > 0.0 else self.seconds
+
+    def _growth(self, now: Status, before: Status | None, name: str, over: float | None = None) -> float | None:
+        seconds = self.seconds if over is None else over
+        if seconds <= 0.0 or before is None:
             return None
-        return max(0.0, float(now.get(name, 0) - before.get(name, 0)) / self.seconds)
+        return max(0.0, float(now.get(name, 0) - before.get(name, 0)) / seconds)
 
     def _reasons(self, now: Mapping[str, int], before: Mapping[str, int] | None) -> dict[str, float]:
         rates = {word: self._growth(now, before, word) or 0.0 for word in now if word.startswith(DROPPED)}

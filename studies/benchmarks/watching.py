@@ -1,4 +1,4 @@
-"""What it costs a daemon to be watched: `sendworthy top`, metrics that are scraped, recordings, logs as JSON.
+"""What it costs a daemon to be watched: `sendworthy top` and `why`, metrics that are scraped, recordings, logs as JSON.
 
 Two teams fly the same traffic side by side, one of them watched, so that whatever else the machine does meets both.
 """
@@ -38,10 +38,14 @@ T_95 = {2: 12.7, 3: 4.3, 4: 3.2, 5: 2.8, 6: 2.6, 7: 2.4, 8: 2.4, 9: 2.3, 10: 2.3
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """Who watches each robot of a team: `top` at its interval, a scraper every so often [s], a recording, and JSON."""
+    """Who watches each robot of a team: `top` at its interval, a scraper every so often [s], a recording, and JSON.
+
+    `why`: somebody follows what is decided on its first stream.
+    """
 
     name: str
     top: bool = False
+    why: bool = False
     scraped: float = 0.0
     recorded: bool = False
     json: bool = False
@@ -54,9 +58,10 @@ class Watch:
 
 
 NOBODY = Watch("nobody")
-ALL = Watch("all of it, metrics each 5 s", top=True, scraped=5.0, recorded=True, json=True)
+ALL = Watch("all of it, metrics each 5 s", top=True, why=True, scraped=5.0, recorded=True, json=True)
 WATCHES = (
     Watch("`sendworthy top`", top=True),
+    Watch("`sendworthy why --follow`", why=True),
     Watch("metrics each 5 s", scraped=5.0),
     Watch("metrics each second", scraped=1.0),
     Watch("recording", recorded=True),
@@ -160,9 +165,12 @@ class Team:
         _, *self._publishers = start_applications(self._troupe, self._nodes, agenda, self._folder)
         command = ["-m", "studies.benchmarks.watchers", "--every", str(self._watch.scraped)]
         asked = ["--top", *(robot.app_endpoint for robot in robots)] if self._watch.top else []
+        first = [agenda.of(place, robot.name)["keys"][0] for place, robot in enumerate(robots)]
+        followed = [f"{robot.app_endpoint}={key}" for robot, key in zip(robots, first, strict=True)]
+        why = ["--why", *followed] if self._watch.why else []
         scraped = ["--scrape", *self._addresses] if self._addresses else []
-        if asked or scraped:
-            self._troupe.start("watchers", *command, *asked, *scraped)
+        if asked or why or scraped:
+            self._troupe.start("watchers", *command, *asked, *why, *scraped)
 
     def tell(self, start: float) -> None:
         """Have the applications publish from then on."""
@@ -207,7 +215,7 @@ def tables(flown: dict[tuple[Case, Watch], list[Pair]]) -> list[Table]:
     time_note = (
         "Processor time of the robots' daemons beside that of the same daemons with nothing of it, who fly the same"
         f" traffic at the same time; read each {SLICE:g} s. What watches takes besides in processes of its own is not"
-        " counted. `top` asks each second, as by default. What `why` tells is kept in any case."
+        " counted. `top` asks as often as by default, `why` about one stream. What it tells is kept in any case."
     )
     memory_note = "Of a robot's daemon at the end of the flight: that nobody shares / resident."
     return [

@@ -184,7 +184,7 @@ def _write(arguments: argparse.Namespace, found: Report) -> None:
 def _bounded(flown: Flown, notes: list[str]) -> Bound | None:
     """Return the bound; where there is none a note says why."""
     count = len(flown.borders) - 1
-    progress = Progress(lambda done: f"bounded {done:.0f} pieces of {count}")
+    progress = Progress(lambda done: f"pieces bounded: {done:.0f} of {count}")
     try:
         return bound(flown.outcomes, flown.columns, flown.borders, lambda done, _: progress(done))
     except (ReplayError, OracleError) as error:

@@ -4,6 +4,7 @@ import subprocess
 from contextlib import suppress
 
 import pytest
+from mcap.reader import make_reader
 
 from proxy.cli import main
 from tests.faults.scene import Fault, Scene
@@ -46,16 +47,25 @@ def test_a_full_disk_stops_nothing(disk, tmp_path, stack, capsys):
     in_force, new = scene.first.status()["specs"], tmp_path / "new.toml"
     new.write_text(scene.specs.read_text().replace("4 Mbit/s", "3 Mbit/s"))
     push = ["push", str(new), "--connect", scene.first.app, "--robot", "a"]
+    (path,) = (disk / "recordings").glob("a-*.mcap")
+    wait_until(lambda: messages(path) > 2, 30.0, "events in the recording")
     with Full(disk):
         wait_until(lambda: missing(scene.first), 30.0, "what a recording lacks")
         assert main(push) == 1
         assert "No space left on device" in capsys.readouterr().err
         scene.go_on()
         assert scene.first.status()["specs"] == in_force
+        assert messages(path) > 2, "other programs read what a full disk cut"
     wait_until(lambda: main(push) == 0, 30.0, "new specs to be in force")
     assert scene.first.status()["specs"] != in_force
     scene.go_on()
     scene.finish()
+
+
+def messages(path):
+    """How many messages of a recording other programs read, by its end."""
+    with path.open("rb") as file:
+        return sum(1 for _ in make_reader(file).iter_messages())
 
 
 def missing(robot):

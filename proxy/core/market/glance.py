@@ -25,14 +25,19 @@ class Glance:
         self._looked: dict[tuple[str, int, tuple[str, ...]], Audience] = {}
         self._latencies: dict[tuple[str, int, tuple[str, ...]], float | None] = {}
 
-    def latency(self, stream: Stream) -> float | None:
-        """Return what the last sample of a stream takes to those that want it, in the mean [s]; None if nobody does."""
+    def wanted(self, stream: Stream) -> tuple[int, float | None]:
+        """Return how many robots want a stream, and what its last sample takes to them, in the mean [s].
+
+        None if nobody wants it.
+        """
         wanting = self._view.subscribers.of(stream)
+        if not wanting:
+            return 0, None
         place = stream.robot, stream.last.size if stream.last else 0, wanting
         if place not in self._latencies:
             audience = self._audience(stream, wanting)
-            self._latencies[place] = audience.mean if wanting and audience.share > 0.0 else None
-        return self._latencies[place]
+            self._latencies[place] = audience.mean if audience.share > 0.0 else None
+        return len(wanting), self._latencies[place]
 
     def there(self, stream: Stream, latency: float | None) -> Sent | None:
         """Return the newest sample that should have arrived by now; None if none has, or none is wanted."""

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from proxy.bridge import keys
-from proxy.bridge.control import LIVE, Control
+from proxy.bridge.control import LIVE, Control, in_json
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 from proxy.profiling.profile import read
@@ -60,6 +60,12 @@ def test_the_status_is_json(operator):
     for robot in ("r1", "*"):
         (answer,) = answers(operator, keys.status(robot))
         assert json.loads(answer) == {"robot": "r1", "counts": {"in": 3}}
+
+
+def test_the_status_is_json_also_where_a_path_is_no_text():
+    """And where a number is none: it is what `json` writes and reads."""
+    for told in ({"path": "/etc/\udcff"}, {"a": float("inf"), "b": [1, 2**70, None, 0.1, "é"], "c": {"d": True}}):
+        assert json.loads(in_json(told)) == told
 
 
 def test_who_looks_again_and_again_is_told_less(operator):

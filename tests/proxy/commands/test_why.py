@@ -9,7 +9,7 @@ import pytest
 from proxy import exit_codes
 from proxy.cli import main
 from proxy.commands.client import NoAnswerError, connected
-from proxy.commands.why import Following
+from proxy.commands.why import Following, pause
 from proxy.why import Question
 from tests.daemons import Running
 from tests.proxy.nodes import closing, free_endpoint, plain_session, wait_matching
@@ -159,9 +159,19 @@ def test_following_as_json_gives_a_decision_a_line():
     assert json.loads(line) == {"version": 1, "robot": "r1", "key": "a", **decision(1)}
 
 
+@pytest.mark.parametrize(("rate", "wait"), [(0, 1.0), (10, 1.0), (24, 0.5), (60, 0.2), (1000, 0.1)])
+def test_the_more_is_decided_the_sooner_it_is_asked_again(rate, wait):
+    """Before the daemon forgets any of the last 16 decisions on a stream, where that can be."""
+    last = 1.0
+    for _ in range(30):
+        many = [decision(nth) for nth in range(min(16, round(rate * last)))]
+        last = pause(answer_of(*many), last)
+    assert last == pytest.approx(wait, rel=0.1)
+
+
 def test_following_goes_on_until_nobody_answers(stand_in, capsys, monkeypatch):
     """New decisions as they come; a daemon that began anew is followed, too."""
-    monkeypatch.setattr("proxy.commands.why.POLL", 0.0)
+    monkeypatch.setattr("proxy.commands.why.MOST_PAUSE", 0.0)
     asked = []
     answers = [
         answer_of(decision(1), decided=1),

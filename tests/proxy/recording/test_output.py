@@ -4,6 +4,7 @@ import resource
 from contextlib import contextmanager
 
 import pytest
+from mcap.reader import make_reader
 
 from proxy.bridge.payloads import Content
 from proxy.core.interface import events as ev
@@ -164,6 +165,21 @@ def test_on_a_full_disk_the_recording_says_what_is_missing(output, tmp_path):
     found, problems = entries(files(tmp_path)[0])
     assert not problems
     assert covered(found) == (300, 149, [Gap(100, 151, 151, 150, "File too large", {"SamplePublished": 151})])
+
+
+def test_other_programs_read_a_file_that_a_full_disk_cut(output, tmp_path):
+    """As far as it goes: it keeps its end when nothing more can be written, also if the daemon is killed then."""
+    add(output, range(100))
+    output.flush()
+    with files_end_at(output.written.bytes):
+        add(output, range(100, 200))
+        output.flush()
+        assert output.written.missing == 100
+        (path,) = files(tmp_path)
+        with path.open("rb") as file:
+            found = make_reader(file).iter_messages(topics=["events/SamplePublished"])
+            assert [message.sequence for *_, message in found] == [*range(100)]
+    output.close("stopped")
 
 
 def test_a_disk_that_stays_full_still_holds_where_the_record_ends(output, tmp_path):

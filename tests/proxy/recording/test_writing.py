@@ -37,6 +37,21 @@ def test_other_programs_read_it(tmp_path):
     assert message.sequence == 10
 
 
+def test_other_programs_read_what_was_not_closed(tmp_path):
+    """While it is written, and when whoever wrote it was killed; what comes next takes the place of the end."""
+    path = tmp_path / "a.mcap"
+    writer = RecordingWriter(path, START)
+    for number in range(3):
+        writer.happened(published(number))
+        writer.flush()
+        with path.open("rb") as file:
+            found = make_reader(file, validate_crcs=True).iter_messages(topics=["events/SamplePublished"])
+            assert [message.sequence for *_, message in found] == [*range(number + 1)]
+        _, problems = entries(path)
+        assert problems == [f"{path} was not closed: its last events may be missing"]
+    writer.abandon()
+
+
 def test_what_followed_stands_with_the_event(tmp_path):
     """Commands in their order, or the fault that the core made."""
     digest = Digest("r1", "z1", 1.0)
@@ -47,6 +62,24 @@ def test_what_followed_stands_with_the_event(tmp_path):
     assert first.commands[0] == {"command": "Forward", "sample": 0}
     assert first.commands[1]["digest"]["robot"] == "r1"
     assert (second.commands, second.fault) == ((), "KeyError: 0")
+
+
+def test_events_written_together_stand_as_if_each_was_written_alone(tmp_path):
+    """To the last byte, whether they are written the quick way or not, and behind others of the same chunk."""
+    digest = Digest("r1", "z1", 1.0)
+    events = [published(0), ev.SampleHanded(1.0, 0), ev.TimePassed(0.9), published(1, red=float("inf"))]
+    followed = [(Forward(0), SendDigest(digest)), (), (described(Forward(7)),), (Forward(1),)]
+    for count in (3, 4):
+        paths = [tmp_path / f"{name}{count}.mcap" for name in ("together", "alone")]
+        with RecordingWriter(paths[0], START) as writer:
+            writer.happened(published(5))
+            writer.all_happened(events[:count], followed[:count])
+        with RecordingWriter(paths[1], START) as writer:
+            writer.happened(published(5))
+            for event, commands in zip(events[:count], followed, strict=False):
+                writer.happened(event, commands)
+        together, alone = (path.read_bytes() for path in paths)
+        assert together == alone
 
 
 def test_a_problem_is_told_by_its_size():

@@ -177,7 +177,7 @@ def test_decisions_are_told_as_far_as_anything_is_known_of_them():
         "         utility -, of the opposite -; lead -, gap -",
         "         0 iterations, 0 nodes, -",
     ]
-    assert section({"decisions": {"made": 1, "iterations": 3}}) == ["decided  1 times, 3 iterations each"]
+    assert section({"decisions": {"made": 1, "iterations": 3}}) == ["decided  1 time, 3 iterations each"]
     assert section({"decisions": {"made": 0, "unneeded": 7, "undisputed": 5, "hopeless": 2}}) == [
         "decided  0 times",
         "         7 more samples went while there was room for all",

@@ -30,6 +30,17 @@ def test_each_stream_has_its_rates_and_the_reasons_of_its_drops():
         assert stream["why"] == ({"dropped:planner": pytest.approx(4.0)} if stream["robot"] == "r1" else {})
 
 
+def test_rates_of_others_are_by_the_times_of_their_samples():
+    """What they tell comes now and then: ten samples may be news of half a second or of two."""
+    (stream,) = [each for each in R1["streams"] if each["robot"] != "r1"][:1]
+    before = R1 | {"streams": [stream | {"last_generated": 0.1}]}
+    for age, rate in ((0.1, 10.0), (1.1, 20.0), (2.1, 10.0)):  # the last: nothing that anybody could divide by
+        after = later(before)
+        after["streams"] = [each | {"last_generated": age} for each in after["streams"]]
+        (row,) = Change(before).then(after).streams()
+        assert row["made"] == pytest.approx(rate)
+
+
 def test_a_daemon_that_started_anew_begins_anew():
     """Its counts are smaller: that is no rate."""
     change = Change(later(R1)).then(R1)
