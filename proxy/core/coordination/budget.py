@@ -41,7 +41,7 @@ class Budget:
     @property
     def alone(self) -> bool:
         """Whether what may be used is our part, so that only our own streams compete for it."""
-        return self._coordination.team.splits or self._coordination.keeps > 0.0
+        return (coordination := self._coordination).keeps > 0.0 or coordination.binds
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
         """Put these constraints in force; what we sent still counts against those of the same name and kind."""
@@ -84,7 +84,9 @@ class Budget:
 
     def free(self, now: float) -> list[float]:
         """What may still be sent now of each constraint; less than nothing where too much was sent."""
-        return [self.whole(now, k) - self._counted(now, k, limit.window) for k, limit in enumerate(self.limits)]
+        free = [self.whole(now, k) - self._counted(now, k, limit.window) for k, limit in enumerate(self.limits)]
+        part = self._coordination.meanwhile.confined
+        return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 
     def left(self, now: float) -> list[float]:
         """What we may use of each constraint within the window that ends now, our own sends included."""
@@ -159,6 +161,9 @@ class Budget:
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""
         limit, whole = self.limits[k], self.whole(now, k)
+        part = self._coordination.meanwhile.confined
+        if part < 1.0 and amount > _confined(self, now, k, part):
+            return False
         if amount <= whole:
             return self._counted(now, k, limit.window) + amount <= whole
         if limit.shared and not self._coordination.whole_turn(now, k):
@@ -177,6 +182,12 @@ class Budget:
         """Return the uses of samples that others sent, as far as they count."""
         sent = [] if self.alone else self._view.traffic.sent_since(since)
         return uses_of(now, sent, self.limits, self.own.leave_after)
+
+
+def _confined(budget: Budget, now: float, k: int, part: float) -> float:
+    """Return what is left of a part that all have just agreed on: who keeps to its own already counts on that."""
+    limit = budget.limits[k]
+    return limit.limit * part - budget.used(now, k) if limit.shared else math.inf
 
 
 def _identity(limit: Limit) -> tuple[str, str]:

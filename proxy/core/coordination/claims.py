@@ -34,7 +34,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Standing
-from proxy.core.model.limits import Limit, changes_plans, use_of
+from proxy.core.model.limits import Limit, changes_plans, exceeds, use_of
 from proxy.core.view.stream import Stream, excess
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import initial, integral
@@ -95,6 +95,10 @@ def rivals(
     """
     claims = _claims(now, view, disputes, stream, limits)
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
+    if stream.sent is None and now < (known := stream.began + TUNING.first_news):
+        alike = use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits)
+        if changes_plans(alike, limits) and not exceeds(TUNING.seldom_size, alike, limits):
+            taken, until = both(taken, [_strangers(now, view) * use for use in alike]), known
     if not claims:
         return taken, until
     ours, news, opened = claim(now, stream), news_take(view), grew(now)
@@ -190,6 +194,11 @@ def _taken_by_new(now: float, view: SharedView, stream: Stream, limits: tuple[Li
             if (known is None or known.last is None) and changes_plans(use, limits):
                 taken = both(taken, use)
     return taken
+
+
+def _strangers(now: float, view: SharedView) -> int:
+    """Return how many robots that have just been met may begin to send now, as nobody has heard of what they send."""
+    return sum(not peer.told for peer in view.newcomers.met_lately(now))
 
 
 def claim(now: float, stream: Stream) -> Claim:

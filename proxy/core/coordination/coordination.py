@@ -24,6 +24,7 @@ from collections.abc import Callable, Collection, Sequence
 
 from proxy.core.coordination.demands import bid
 from proxy.core.coordination.hollow import Hollow
+from proxy.core.coordination.meanwhile import Meanwhile
 from proxy.core.coordination.overbooking import Overbooking
 from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
@@ -59,13 +60,20 @@ class Coordination:
         self._forms_until, self._did_split = now + TUNING.forming_time, self.team.strict
         self._formed_at = math.inf
         """Since when parts are agreed on that take in what all ask for [s]."""
-        self._established = self.team.strict
+        self.established = self.team.strict
         """Whether that was so for a window; until then all have equal parts, or what tables give them."""
+        self.meanwhile = Meanwhile()
+        """What we do until then."""
 
     @property
     def _overbooks(self) -> bool:
         """Whether we may use more than our part of a window, as seldom all use theirs at one moment."""
         return self._split is not None and self.team.quiet and not self.team.strict
+
+    @property
+    def binds(self) -> bool:
+        """Whether each robot keeps to its part of every limit, and counts nothing that others send."""
+        return self.team.splits and not self.meanwhile.plans
 
     @property
     def split_in_force(self) -> Split | None:
@@ -79,7 +87,7 @@ class Coordination:
         has had what all have agreed on for a window.
         """
         split = self._split
-        if not self.keeps and (split is None or not self.team.splits):
+        if not self.keeps and (split is None or not self.binds):
             margin = max(self._settings.margin, TUNING.varied_margin if self.team.varied else 0.0)
             return 1.0 - margin if self.team.rivals else 1.0
         if self.keeps or split is None:
@@ -87,7 +95,7 @@ class Coordination:
         if self._overbooks:
             return self._overbooking.factor / self.team.sharing
         ours = split.own_part.of(now, k)
-        if self._established:
+        if self.established:
             return ours
         equal = (1.0 - self._settings.floor) / self.team.robots
         return max(ours, min(equal, split.agreement.exclusive / UNIT))
@@ -176,6 +184,10 @@ class Coordination:
                 self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.sharing)
+        if self.established or self._split is None:
+            self.meanwhile.over()
+        else:
+            self.meanwhile.look(self.team, self._split.agreement, limits, waiting)
         split = self.split_in_force
         if split is not None and not self._did_split:
             split.exchange.begin()
@@ -189,7 +201,7 @@ class Coordination:
             split.bid(now, bid(self._view, now, limits))
         split.advance(now, self.team.news_take(waiting))
         self._formed_at = min(self._formed_at, now) if split.agreement.formed else math.inf
-        self._established |= now >= self._formed_at + max(self._kind[0])
+        self.established |= now >= self._formed_at + max(self._kind[0])
         return split.exchange.has_news(now)
 
     def announcement(self, now: float) -> SplitReport | None:

@@ -20,7 +20,7 @@ def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
     """Return what our streams ask for of the shared limit that they need most of."""
     shared = tuple(limit for limit in limits if limit.shared)
     window = max((limit.window for limit in shared), default=1.0)
-    return bid_for(_demands(view, now, shared, window), window, len(view.peers) + 1)
+    return bid_for(_demands(view, now, shared, window), window, view.members.speaking + 1)
 
 
 def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: float) -> Iterator[Demand]:

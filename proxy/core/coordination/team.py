@@ -132,7 +132,7 @@ class Team:
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
         # nobody says anything: one of four robots heard nothing of the others for 14 s, and took the whole limit.
-        self.rivals = asked or len(sending) > 1 or self.even or len(view.peers) > TUNING.few_robots
+        self.rivals = asked or len(sending) > 1 or self.even or view.members.speaking > TUNING.few_robots
         large = [s for s in competing if changes_plans(use_of(round(s.sizes.mean), 1, limits), limits)]
         self.varied = bool(large) and all(s.sizes.deviation > TUNING.varied_sizes * s.sizes.mean for s in large)
         self._look_at_rhythms(now, limits, waiting)
@@ -148,7 +148,7 @@ class Team:
         decides = view.settings.robot in sending and all(limit.least >= 1.0 for limit in limits)
         late = decides and self.news_take(waiting) >= still * TUNING.late_news * window
         self._dear_since = min(self._dear_since, now) if dear else math.inf
-        lasting = 0.0 if self.even or len(view.peers) > TUNING.few_robots else TUNING.dear_time
+        lasting = 0.0 if self.even or view.members.speaking > TUNING.few_robots else TUNING.dear_time
         self.votes_to_split = self.strict or self.seldom or late or many or now >= self._dear_since + lasting
 
     def _equal_parts_do(self, competing: Collection[Stream], limits: tuple[Limit, ...]) -> bool:

@@ -30,7 +30,7 @@ class Account:
 
     def set_rate(self, part: float, *, follows: bool) -> None:
         """Set the rate for the team as it is. This `part` of the allowance is left; limits may follow the channel."""
-        robots = len(self._view.peers) + 1
+        robots = self._view.members.speaking + 1
         self._allowance = allowance_of(self._view.specs, self._view.settings.allowance * part, robots)
         copies = 1 if self._view.settings.digests_on_air else robots
         rate = (1.0 if follows else TUNING.digests) * self._allowance
@@ -49,12 +49,13 @@ class Account:
     @property
     def digest_copies(self) -> int:
         """How often a digest for all is transmitted."""
-        return 1 if self._view.settings.digests_on_air and self._view.peers else self.copies
+        return 1 if self._view.settings.digests_on_air and self._view.members.speaking else self.copies
 
     @property
     def copies(self) -> int:
         """How often a state for all is transmitted."""
-        return len(self._view.peers) + (self._view.settings.relayed and bool(self._view.peers))
+        others = self._view.members.speaking
+        return others + (self._view.settings.relayed and bool(others))
 
     def heard_digest(self, now: float, size: int) -> None:
         """A digest of another robot, of so many bytes, came; those that were lost are booked with it."""

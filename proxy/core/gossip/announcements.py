@@ -5,7 +5,7 @@ from proxy.core.coordination.coordination import Coordination
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
-from proxy.core.model.limits import changes_plans, shortest_window, use_of
+from proxy.core.model.limits import changes_plans, longest_window, shortest_window, use_of
 from proxy.core.model.transport import is_broadcast
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
@@ -22,6 +22,7 @@ class Announcements:
         self._limits = limits
         self._account = account
         self._budget = budget
+        self._greeting = False
 
     @property
     def overheard(self) -> bool:
@@ -31,7 +32,7 @@ class Announcements:
     @property
     def needed(self) -> bool:
         """Whether others plan with what we send."""
-        return self._coordination.team.must_announce and not self._coordination.team.splits
+        return self._coordination.team.must_announce and not self._coordination.binds
 
     def due_at(self, now: float) -> float:
         """When a sample that is sent now could be announced [s]."""
@@ -46,6 +47,27 @@ class Announcements:
     def changes_plans(self, size: int, copies: int = 1) -> bool:
         """Whether a message of so many bytes, in so many copies, changes what others plan."""
         return changes_plans(use_of(size, copies, self._limits.limits), self._limits.limits)
+
+    def greet(self) -> None:
+        """A robot is new, and does not know what we sent lately."""
+        self._greeting = True
+
+    def told(self) -> None:
+        """All have been told what we sent."""
+        self._greeting = False
+
+    def greets(self, now: float) -> bool:
+        """Whether somebody new has to hear, as all plan for all, what we sent that is in a window still.
+
+        Ordinary news have time while a team agrees on parts: eight and ten robots with equal messages that started
+        within 3 s had 3 to 12 % of the first 10 s of windows over the limit in five of eight flights, and have 2.5 in
+        one of sixteen (20 ms).
+        """
+        if not (self._greeting and self.needed):
+            return False
+        since = now - longest_window(self._limits.limits)
+        own = self._view.streams.own()
+        return any(each.sent is not None and each.sent.t_sent > since and self.is_large(each) for each in own)
 
     def is_large(self, stream: Stream) -> bool:
         """Whether the samples of a stream change what others plan."""

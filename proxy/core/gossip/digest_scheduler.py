@@ -157,7 +157,9 @@ class DigestScheduler:
             since = self._sent_at + TUNING.slowest_digest
             return max(since, self._budget.due_in_turn(now, since, TUNING.parts_debt, self._account.digest_copies))
         if coordination.forming(now) and not self._parts_changed:
-            return max(due, now + TUNING.slowest_digest)
+            due = max(due, now + TUNING.slowest_digest)
+            tells = self._sent_much() or self._announcements.greets(now)
+            return min(due, self._announcements.tells_at(now)) if tells else due
         if self._sent_much():
             return min(due, self._announcements.tells_at(now))
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
@@ -170,7 +172,7 @@ class DigestScheduler:
 
         A robot that changes over to parts speaks while others still announce ahead of the allowance: it may go further.
         """
-        if not self._coordination.formed:
+        if not self._coordination.established:
             return self._budget.due_ahead(now, TUNING.first_parts_debt)
         exchange = self._coordination.exchange
         since = -math.inf if exchange is not None and exchange.passes_on else self._parts_since
@@ -188,7 +190,9 @@ class DigestScheduler:
 
     def _send_news(self, now: float) -> Command:
         """Send a digest, or only the announcement of what was sent where nothing else is due."""
-        copies, only_parts, sent_much = self._account.digest_copies, self._only_parts(now), self._sent_much()
+        copies, only_parts = self._account.digest_copies, self._only_parts(now)
+        sent_much = self._sent_much() or self._announcements.greets(now)
+        self._announcements.told()
         if sent_much and not self._more_is_due(now, copies):
             digest = self._announcement(now)
             self._capacity.evidence.digest_sent(now, self._view.traffic.messages)

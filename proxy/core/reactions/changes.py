@@ -27,7 +27,7 @@ class TeamLimits:
 
     def adopt(self, now: float) -> None:
         """The limits are those of the specs in force, for as many robots as there are."""
-        limits = limits_of(self._view.specs, self._allowance, len(self._view.peers) + 1)
+        limits = limits_of(self._view.specs, self._allowance, self._view.members.speaking + 1)
         self._coordination.set_limits(now, limits)
         self._channel.adopt(now, limits)
         self._budget.set_limits(self._channel.limits)
@@ -43,11 +43,12 @@ class TeamLimits:
 
     def leave_out_mismatched(self, now: float) -> list[Command]:
         """Robots may turn out to have other limits: no team waits for them, and the log says so."""
-        before = self._mismatched.found
-        if not self._mismatched.look(now):
-            return []
-        self.set_members(now)
-        new = self._mismatched.found - before
+        before = self._mismatched.worth_a_warning
+        if self._mismatched.look(now):
+            self.set_members(now)
+            for name in self._mismatched.found & self._view.peers.keys():
+                self._view.newcomers.doubt(now, self._view.peers[name])
+        new = self._mismatched.worth_a_warning - before
         return [Notice("error", warning) for warning in self._mismatched.warnings(new)]
 
     def _set_rate(self) -> None:

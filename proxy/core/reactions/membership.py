@@ -19,6 +19,7 @@ class Membership:
     def __init__(self, parts: Parts, limits: TeamLimits, news: MeshNews, retention: Retention) -> None:
         self._settings = parts.settings
         self._view = parts.view
+        self._mismatched = parts.mismatched
         self._unknown_senders = parts.unknown_senders
         self._capacity = parts.channel.capacity
         self._kept = parts.kept
@@ -36,6 +37,7 @@ class Membership:
             return []
         for other in known.keys() - self._view.peers.keys():  # it had to leave for the new one
             self._forget(other)
+        self._mismatched.met(name, self._view.peers[name])
         self._limits.set_members(event.now)
         self._gossip.met(event.now, name)
         robot = self._view.peers[name].robot
@@ -55,6 +57,7 @@ class Membership:
         if peer is None or not _is(peer, event):  # a token in another robot's name is nothing to this one
             return []
         robot = peer.robot
+        self._view.newcomers.doubt(event.now, peer)
         self._kept.lost(event.now, self._leaving(peer))
         self._view.gone(event.zid)
         self._forget(tag(event.zid))

@@ -75,6 +75,7 @@ class MeshNews:
         self._coordination.heard(event.now, event.state)
         warned, subscriptions = transport_warnings(self._settings, self._view.peers), peer.subscriptions
         if self._view.heard_state(event.now, event.state):
+            self._mismatched.heard_state(name)
             self._gossip.requests.compare(event.now, name, peer)
         else:
             self._gossip.requests.want(event.now, name)

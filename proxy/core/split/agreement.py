@@ -65,6 +65,8 @@ class Agreement:
         """Whether we have ever agreed on a table with everybody's bid."""
         self.quiet = False
         """Whether the team is too large to agree."""
+        self.others_agreed = False
+        """Whether another robot has ever agreed on a table, as far as we heard."""
         self.log = TableLog(now, self._table(self._bids))
 
     @property
@@ -179,6 +181,7 @@ class Agreement:
             for tag in gone[: max(0, len(self._bids) - TUNING.bids_kept)]:
                 del self._bids[tag]
             self._form(now)
+        self.others_agreed |= announcement.agreed != 0
         held = self._held.setdefault(peer, {})
         for name, agreed in ((announcement.table, False), (announcement.agreed, True)):
             held[name] = held.pop(name, False) or agreed

@@ -34,9 +34,9 @@ class Members:
         self.evicted += 1
         return next((p for p in self._peers.values() if p.state is None and p.digest is None), None)
 
-    def add(self, now: float, robot: str, zid: str) -> None:
+    def add(self, now: float, robot: str, zid: str, *, plain: bool) -> None:
         """A robot came. Of robots of one name the later ones get another one here, with a part of their ids."""
-        self._peers[tag(zid)] = Peer(self._free_name(robot, zid), zid, now, name=robot)
+        self._peers[tag(zid)] = Peer(self._free_name(robot, zid), zid, now, name=robot, plain=plain)
         self._silent.add(tag(zid))
         self._note_names()
 
@@ -50,6 +50,11 @@ class Members:
         self._silent.discard(tag(zid))
         self._note_names()
         return peer
+
+    @property
+    def speaking(self) -> int:
+        """How many others there are, but for those that take no part as they say nothing."""
+        return sum(not (peer.plain and peer.silent) for peer in self._peers.values())
 
     @property
     def unannounced(self) -> int:
@@ -91,10 +96,28 @@ class Newcomers:
         self._streams = streams
         self._met_at = -math.inf
         """When a robot was met last [s]."""
+        self._doubted_at = -math.inf
+        """When somebody last turned out to say nothing [s]."""
 
     def met(self, now: float) -> None:
         """A robot was met."""
         self._met_at = now
+
+    def doubt(self, now: float, peer: Peer) -> None:
+        """A robot leaves, or has been there for long: if it has said nothing, others like it may come."""
+        if peer.silent:
+            self._doubted_at = now
+
+    def in_doubt(self, now: float) -> bool:
+        """Whether who comes now may be nobody, as a token costs nothing, and many may come and go.
+
+        It takes part from its first word on. So it is where the team has been there for a while: a team that begins
+        has no time to wait for all that each says.
+        """
+        since = now - TUNING.team_begins
+        return now < self._doubted_at + TUNING.doubt_time or any(
+            peer.since <= since and not peer.silent for peer in self._peers.values()
+        )
 
     def met_lately(self, now: float) -> list[Peer]:
         """Return the robots of which little may be known yet: they, or our own streams, have just come.
@@ -105,11 +128,15 @@ class Newcomers:
         return [peer for peer in self._peers.values() if now < max(peer.since, began) + time and not peer.plain]
 
     def greeted_by(self, now: float) -> float:
-        """Until when a robot that has just been met may still tell what it sent lately [s]; −∞ where all have told."""
+        """Until when a robot that has just been met may still tell what it sent lately [s]; −∞ where all have told.
+
+        Nobody waits for tokens once one of them has turned out to be nothing more.
+        """
         time = TUNING.greeting_time
         if now >= self._met_at + time:
             return -math.inf
-        new = (p for p in self._peers.values() if p.last_heard is None and not p.plain)
+        waited_for = now >= self._doubted_at + TUNING.doubt_time
+        new = (p for p in self._peers.values() if p.last_heard is None and (not p.plain or (waited_for and p.silent)))
         return max((peer.since + time for peer in new if peer.state is None or peer.told), default=-math.inf)
 
     def only_listens(self, peer: Peer) -> bool:

@@ -25,12 +25,28 @@ class MismatchedLimits:
         """Robots of which digests were understood."""
         self._look_at = 0.0
         self.found: frozenset[str] = frozenset()
+        self._early: frozenset[str] = frozenset()
+        """Those of them that have been silent for so short that nobody need be told."""
 
     def heard(self, name: str) -> None:
         """A digest of a robot was understood."""
         self._heard.add(name)
-        if name in self.found:
-            self._look_at = -math.inf
+        self._reconsider(name)
+
+    def heard_state(self, name: str) -> None:
+        """A state of a robot was understood."""
+        self._reconsider(name)
+
+    def met(self, name: str, peer: Peer) -> None:
+        """A robot came; where others came without a word it takes no part before its first."""
+        if peer.plain:
+            self.found |= {name}
+            self._early |= {name}
+
+    @property
+    def worth_a_warning(self) -> frozenset[str]:
+        """Those of which an operator is told."""
+        return self.found - self._early
 
     def look(self, now: float) -> bool:
         """Look who has taken no part for too long; return whether these are others than before."""
@@ -44,20 +60,33 @@ class MismatchedLimits:
             peer.take_part(plain=self._not_understood(now, name, peer))
         apart = {name for name, since in self._since.items() if now - since > TUNING.agreement_time}
         before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
+        patience = TUNING.agreement_time + TUNING.agreement_per_robot * len(peers)
+        self._early = frozenset(
+            name for name, p in peers.items() if p.plain and p.silent and not _foreign(p) and now - p.since <= patience
+        )
         return self.found != before
 
     def warnings(self, among: Iterable[str] | None = None) -> list[str]:
         """Name them all, or those `among` these."""
-        found = self.found if among is None else self.found.intersection(among)
+        found = self.worth_a_warning if among is None else self.found.intersection(among)
         return [self._warning(peer) for name, peer in self._peers.items() if name in found]
+
+    def _reconsider(self, name: str) -> None:
+        """A robot that takes no part said something: its first word lets it take part."""
+        if name in self.found:
+            self._look_at = -math.inf
+        if name in self._early:
+            self._peers[name].take_part(plain=False)
 
     def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
         if name in self._heard and peer.digest is not None:  # else it left meanwhile, and is back
             return now - peer.digest_received > TUNING.understood_for
         if peer.state is not None:
             return now - peer.since > TUNING.understood_for
-        patience = TUNING.agreement_time + TUNING.agreement_per_robot * len(self._peers)
-        return now - peer.since > patience or _foreign(peer)
+        if _foreign(peer) or (peer.silent and peer.plain):
+            return True
+        time = TUNING.word_time if peer.silent else TUNING.agreement_time
+        return now - peer.since > time + TUNING.agreement_per_robot * len(self._peers)
 
     def _warning(self, peer: Peer) -> str:
         here = self._table.specs.generation

@@ -120,6 +120,11 @@ class Peer:
         return tag(self.zid)
 
     @property
+    def silent(self) -> bool:
+        """Whether nothing but its token is known of it."""
+        return self.state is None and self.last_heard is None
+
+    @property
     def number(self) -> int:
         """Number of the state in force; 0 when there is none."""
         return 0 if self.state is None else self.state.number

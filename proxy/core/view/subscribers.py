@@ -78,12 +78,11 @@ class Subscribers:
     def copies(self, stream: Stream) -> int:
         """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router.
 
-        In broadcast it is one for all. Robots that have not announced yet what they want count for our own samples
-        alone: a newcomer took others' sends for two or three times as many, and sent nothing for a second.
+        In broadcast it is one for all. Robots that have not announced yet what they want do not count: large samples
+        wait for them for a moment, and small ones were lost where fifty tokens came without a word.
         """
         if stream.robot in self._broadcasting:
             return 1
         wanting = self.of(stream)
         receivers = 0 if wanting == NAMELESS else len(wanting)
-        receivers += self._members.unannounced if stream.robot == self._settings.robot else 0
         return 1 + receivers if self._settings.relayed else max(1, receivers)

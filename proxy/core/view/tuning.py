@@ -69,6 +69,14 @@ class ViewTuning:
     """Who has just been met tells what it sent lately within this time [s]."""
     silent_since_start: float = 2.0
     """Who has sent nothing for this long since we do is not about to [s]."""
+    word_time: float = 1.0
+    """Who has just been met and has said nothing for so long takes no part until it does [s]: a question is repeated
+    within it. A token without a word left four robots with cameras 7 of 18 frames in 5 s."""
+    doubt_time: float = 60.0
+    """Since somebody came without a word, who comes takes part from the first word on, for so long [s]."""
+    team_begins: float = 5.0
+    """A team of which somebody has been known for so long has begun: who comes then takes part from its first word on
+    [s]."""
     agreement_time: float = 5.0
     """Within this time a newcomer says something, and specs are changed on one robot after the other [s]."""
     agreement_per_robot: float = 0.05

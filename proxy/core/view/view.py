@@ -65,7 +65,7 @@ class SharedView:
             if leaving is None:
                 return False
             self.gone(leaving.zid)
-        self.members.add(now, robot, zid)
+        self.members.add(now, robot, zid, plain=self.newcomers.in_doubt(now))
         self.newcomers.met(now)
         self.echoes.presume_ways()
         self.origins.assign()

@@ -99,13 +99,13 @@ def test_until_all_said_what_they_want_what_nobody_wants_counts(make_talk):
     """It may be for who is new: it goes, and what is decided has to do with the rest."""
     talk = make_talk()
     talk.tell(ev.PeerAppeared(0.3, "r9", "z-r9"))
-    talk.publish(5.2)
-    assert talk.core.budget.used(5.2, 0) == 1000.0
+    talk.publish(0.6)
+    assert talk.core.budget.used(0.6, 0) == 1000.0
     for robot, zid in (("r9", "z-r9"), ("op", "zz-op")):
-        talk.tell(ev.StateHeard(5.3, State(robot, zid, "enforce", "", number=1)))
-    talk.publish(5.4)
+        talk.tell(ev.StateHeard(0.7, State(robot, zid, "enforce", "", number=1)))
+    talk.publish(0.8)
     assert [command.sample for command in talk.all(Forward)] == [1, 2]
-    assert talk.core.budget.used(5.4, 0) == 1000.0
+    assert talk.core.budget.used(0.8, 0) == 1000.0
 
 
 def test_what_never_came_to_a_decision_is_told_of_its_stream(make_talk, make_aggregated):

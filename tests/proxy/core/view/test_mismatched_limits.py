@@ -212,3 +212,25 @@ def test_status_tells_versions_and_other_versions_from_what_is_malformed(make_ta
     assert [(peer["version"], peer["wire_version"]) for peer in status["peers"]] == [("1.3.0", VERSION + 1)]
     assert (status["malformed"], status["other_version"]) == (1, 1)
     assert talk.core.gossip.states.state.version == "1.2.3"
+
+
+def test_who_comes_to_a_team_that_is_there_takes_part_from_its_first_word_on(talk):
+    """A token alone proves nothing; an operator is told no sooner than of one who begins."""
+    now = 1.0 + TUNING.team_begins
+    talk.tell(ev.PeerAppeared(now, "r9", "z-r9"))
+    assert apart(talk) == {"z-r9"}
+    assert not [text for text in talk.core.status(now + 1.0)["warnings"] if "r9" in text]
+    talk.tell(ev.StateHeard(now + 1.0, State("r9", "z-r9", "enforce", "", number=1)))
+    talk.tell(ev.TimePassed(now + 1.2))
+    assert not apart(talk)
+
+
+def test_who_said_nothing_makes_a_team_doubt_all_who_come_for_a_while(make_talk):
+    """Tokens that come and go hold up a robot that was alone once."""
+    talk = make_talk()
+    talk.tell(ev.PeerGone(0.0, "op", "zz-op"))
+    talk.tell(ev.PeerAppeared(0.1, "r8", "z-r8"))
+    assert not apart(talk)
+    talk.tell(ev.PeerGone(0.2, "r8", "z-r8"))
+    talk.tell(ev.PeerAppeared(0.3, "r9", "z-r9"))
+    assert apart(talk) == {"z-r9"}
