@@ -1,8 +1,13 @@
-"""What signals ask of the daemon."""
+"""What signals ask of the daemon, and of commands that go on until they are asked to end.
+
+A handler that set an event would wait for ever where the signal came while its own thread had the event in hand.
+"""
 
 import select
 import signal
 import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -44,6 +49,18 @@ class Requests:
                 waiting.register(number, select.POLLIN)
         ready = {number for number, _ in waiting.poll(timeout * 1e3)}
         return signal.Signals(self._heard.recv(1)[0]).name if self._heard.fileno() in ready else ""
+
+
+@contextmanager
+def asked_to_end() -> Iterator[Requests]:
+    """Take in signals for a while; afterwards they do what they did before."""
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    try:
+        with Requests() as asked:
+            yield asked
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _nothing_more(_number: int, _frame: object) -> None:

@@ -2,16 +2,12 @@
 
 import argparse
 import math
-import signal
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
 from typing import Any
 
 from proxy import clock, exit_codes
 from proxy.commands.client import Client, NoAnswerError, add_client_flags, connected
+from proxy.requests import Requests, asked_to_end
 
 DESCRIPTION = """\
 Has a running daemon record every event that its core sees, with the features of samples, and every decision, into MCAP
@@ -64,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _run(daemon: Client, robot: str, arguments: argparse.Namespace) -> int:
     if arguments.off:
         return _ended(daemon.record(robot, {"record": "stop"}))
-    with _asked_to_end() as asked:  # from here on it is ended in order
+    with asked_to_end() as asked:  # from here on it is ended in order
         told = daemon.record(robot, {"record": "start", "payloads": arguments.payloads})
         if not told["file"]:
             daemon.record(robot, {"record": "stop"})
@@ -77,26 +73,10 @@ def _run(daemon: Client, robot: str, arguments: argparse.Namespace) -> int:
         return _ended(daemon.record(robot, {"record": "stop"}))
 
 
-@contextmanager
-def _asked_to_end() -> Iterator[threading.Event]:
-    """Give an event that Ctrl-C and SIGTERM set."""
-    asked = threading.Event()
-
-    def handle(_signal: int, _frame: FrameType | None) -> None:
-        asked.set()
-
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield asked
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _wait(daemon: Client, robot: str, seconds: float | None, asked: threading.Event) -> None:
+def _wait(daemon: Client, robot: str, seconds: float | None, asked: Requests) -> None:
     """Wait until it is `asked` to end, or for so long [s], and show how it goes meanwhile."""
     end = math.inf if seconds is None else clock.monotonic() + seconds
-    while (left := end - clock.monotonic()) > 0.0 and not asked.wait(min(LOOK, left)):
+    while (left := end - clock.monotonic()) > 0.0 and not asked.next(min(LOOK, left)):
         if sys.stdout.isatty():
             print(f"\r  {_so_far(daemon.record(robot, {})):<{WIDTH}}", end="", flush=True)
     if sys.stdout.isatty():

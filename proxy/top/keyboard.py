@@ -32,7 +32,7 @@ NAMES = {
     "\x03": "ctrl-c",
 }
 _KEY = re.compile(r"\x1b\[[0-9;]*[A-Za-z~]|\x1bO[A-Z]|.", re.DOTALL)
-ENDING = (signal.SIGTERM, signal.SIGHUP)
+ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 
 
 def keys_in(text: str) -> list[str]:
@@ -45,6 +45,8 @@ class Keyboard:
     """A terminal that gives each key at once, and can be woken."""
 
     def __init__(self, descriptor: int) -> None:
+        self.ended = 0
+        """The signal that asked the process to end."""
         self._descriptor = descriptor
         self._wakes, self._waker = os.pipe()
         os.set_blocking(self._waker, False)
@@ -58,8 +60,10 @@ class Keyboard:
             return  # there are enough calls that were not heard yet
 
     def read(self) -> list[str] | None:
-        """Wait for keys or a call, and return the keys; None when the terminal is gone."""
+        """Wait for keys or a call, and return the keys; None when the terminal is gone, or the process has to end."""
         ready, _, _ = select.select([self._descriptor, self._wakes], [], [])
+        if self.ended:
+            return None
         if self._wakes in ready:
             os.read(self._wakes, 4096)
         if self._descriptor not in ready:
@@ -70,6 +74,15 @@ class Keyboard:
             return None
         return keys_in(read.decode(errors="ignore")) if read else None
 
+    def end(self, number: int, _: FrameType | None) -> None:
+        """A signal asks the process to end: the next `read` says so. Who asks twice does not wait for that.
+
+        Raised at once, it left locks behind that were just being taken.
+        """
+        if self.ended:
+            raise SystemExit(128 + number)
+        self.ended = number
+
     def close(self) -> None:
         """Close what wakes it."""
         os.close(self._wakes)
@@ -78,14 +91,14 @@ class Keyboard:
 
 @contextmanager
 def keyboard(descriptor: int) -> Iterator[Keyboard]:
-    """Take over the terminal, and give it back. Whoever ends the process has it leave by SystemExit first."""
+    """Take over the terminal, and give it back. Where a signal asked for the end, SystemExit is raised then."""
     keys = Keyboard(descriptor)
     before = termios.tcgetattr(descriptor)
     signals = {number: signal.getsignal(number) for number in (*ENDING, signal.SIGWINCH, signal.SIGTSTP)}
     woken = signal.set_wakeup_fd(keys._waker)  # noqa: SLF001 - ours; a signal ends the wait
     try:
         for number in ENDING:
-            signal.signal(number, _leave)
+            signal.signal(number, keys.end)
         signal.signal(signal.SIGWINCH, _go_on)
         signal.signal(signal.SIGTSTP, signal.SIG_IGN)
         tty.setcbreak(descriptor)
@@ -99,10 +112,8 @@ def keyboard(descriptor: int) -> Iterator[Keyboard]:
         except termios.error:
             before = []  # the terminal is gone
         keys.close()
-
-
-def _leave(number: int, _: FrameType | None) -> None:
-    raise SystemExit(128 + number)
+    if keys.ended:
+        raise SystemExit(128 + keys.ended)
 
 
 def _go_on(_: int, __: FrameType | None) -> None:

@@ -5,12 +5,15 @@ input. Times are seconds of CLOCK_MONOTONIC, which all processes of a machine sh
 """
 
 import json
-import signal
 import sys
 import threading
 from collections.abc import Callable
-from types import FrameType
 from typing import Any
+
+from proxy.requests import Requests
+
+LONG = 3600.0
+"""Whoever waits without end looks this often whether it is over [s]."""
 
 
 def ready(**facts: Any) -> None:
@@ -37,12 +40,13 @@ def listen(take: Callable[[Any], None]) -> None:
 
 
 def stop_on_signal() -> threading.Event:
-    """Return an event that SIGTERM and SIGINT set."""
-    stop = threading.Event()
+    """Return an event that SIGTERM, SIGINT and SIGHUP set, on a thread of its own; called on the main thread."""
+    stop, asked = threading.Event(), Requests()
 
-    def handle(_signal: int, _frame: FrameType | None) -> None:
+    def hear() -> None:
+        while not asked.next(LONG):
+            continue
         stop.set()
 
-    signal.signal(signal.SIGTERM, handle)
-    signal.signal(signal.SIGINT, handle)
+    threading.Thread(target=hear, daemon=True).start()
     return stop

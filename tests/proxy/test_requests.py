@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from proxy.requests import SIGNALS, Requests
+from proxy.requests import SIGNALS, Requests, asked_to_end
 
 
 @pytest.fixture(autouse=True)
@@ -51,3 +51,12 @@ def test_afterwards_python_tells_nobody():
     with Requests():
         pass
     assert signal.set_wakeup_fd(-1) == -1
+
+
+def test_what_signals_did_before_they_do_afterwards():
+    """A command ends, and whoever called it goes on."""
+    before = [signal.getsignal(number) for number in SIGNALS]
+    with asked_to_end() as asked:
+        signal.raise_signal(signal.SIGINT)
+        assert asked.next(3600.0) == "SIGINT"
+    assert [signal.getsignal(number) for number in SIGNALS] == before

@@ -73,13 +73,27 @@ def test_the_end_of_the_process_ends_the_wait(terminal):
 
     def work(keys):
         os.kill(os.getpid(), signal.SIGTERM)
-        keys.read()
+        assert keys.read() is None
 
     with pytest.raises(SystemExit) as left, keyboard(program) as keys:
         work(keys)
     assert left.value.code == 128 + signal.SIGTERM
     assert termios.tcgetattr(program) == before
     assert signal.getsignal(signal.SIGTERM) is handler
+
+
+def test_who_asks_for_the_end_once_more_does_not_wait_for_it(terminal):
+    """A terminal that takes nothing holds up whoever writes to it."""
+    _, program = terminal
+
+    def work(keys):
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert keys.ended == signal.SIGTERM
+        os.kill(os.getpid(), signal.SIGTERM)
+        pytest.fail("nothing ended it")
+
+    with pytest.raises(SystemExit), keyboard(program) as keys:
+        work(keys)
 
 
 def test_a_terminal_that_is_gone_gives_no_keys(terminal):
