@@ -77,7 +77,7 @@ study-traffic: setup
 	$(BIN)/python -m studies.benchmarks view
 	$(BIN)/python -m studies.simulation.traffic --output studies/results/traffic.md
 
-test-system: setup
+test-system: setup .venv/ns3
 	tests/system/run
 
 # Compares what applications see with what they see behind Zenoh routers, and writes deploy/TRANSPARENCY.md anew.

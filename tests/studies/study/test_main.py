@@ -37,14 +37,3 @@ def test_without_its_extra_nothing_is_flown(flown, capsys, monkeypatch):
     monkeypatch.setattr("studies.study.__main__.there", lambda package: package != "matplotlib")
     assert main(flown) == 1
     assert 'needs the extra "study": pip install "sendworthy[study]"' in capsys.readouterr().err
-
-
-@pytest.mark.full
-def test_the_quick_study_flies_and_goes_on(tmp_path, capsys):
-    """Over ns-3, in two processes; the second time everything is known."""
-    paths = ["--store", str(tmp_path / "records.jsonl"), "--page", str(tmp_path / "RESULTS.md")]
-    assert main(["--extent", "quick", "--jobs", "2", *paths]) == 0
-    assert "not flown yet" not in (tmp_path / "RESULTS.md").read_text()
-    capsys.readouterr()
-    assert main(["--extent", "quick", "--jobs", "2", *paths]) == 0
-    assert "nothing to do" in capsys.readouterr().out
