@@ -10,8 +10,8 @@ from tests.faults.scene import Fault
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
-MORE = 1 << 20
-"""What a daemon may take beyond that, its files in memory included [B]."""
+MORE, LEAST_MORE = 1 << 20, 1 << 16
+"""What a daemon may take beyond that, its files in memory included, at first and at least [B]."""
 
 
 class Tight(Fault):
@@ -21,12 +21,13 @@ class Tight(Fault):
         self._group = group
 
     def start(self):
-        self._limit = 1 << 62
+        self._limit, self._more = 1 << 62, MORE
         wait_until(self._pressed, 60.0, "the limit to be hit")
 
     def _pressed(self):
-        """Let it have little more than the least that it was seen to hold; whether it has asked for more."""
-        least = int((self._group / "memory.usage_in_bytes").read_text()) + MORE
+        """Let it have little more than the least that it was seen to hold, ever less; whether it has asked for more."""
+        least = int((self._group / "memory.usage_in_bytes").read_text()) + self._more
+        self._more = max(LEAST_MORE, self._more * 9 // 10)
         if least < self._limit:
             self._limit = least
             with suppress(OSError):  # it holds more by now, of which nothing can be taken
