@@ -51,7 +51,8 @@ class MarketTuning:
     rhythm_samples: int = 3
     """Of a stream that generated fewer samples nobody knows how far apart they are."""
     new_samples: float = 2.5
-    """A new stream that is alone may have generated so many more samples than half of one less than it has so far."""
+    """A new stream goes on as if it had generated half a sample less, for the first one only says when it began; but if
+    it is the only new one so many more, as nobody knows better."""
     rate_samples: int = 8
     """Of a stream that generated fewer samples nobody can say how often it does."""
     longest: float = 300.0

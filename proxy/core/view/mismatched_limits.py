@@ -60,9 +60,10 @@ class MismatchedLimits:
             peer.take_part(plain=self._not_understood(now, name, peer))
         apart = {name for name, since in self._since.items() if now - since > TUNING.agreement_time}
         before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
-        patience = TUNING.agreement_time + TUNING.agreement_per_robot * len(peers)
         self._early = frozenset(
-            name for name, p in peers.items() if p.plain and p.silent and not _foreign(p) and now - p.since <= patience
+            name
+            for name, peer in peers.items()
+            if peer.plain and peer.silent and not (_foreign(peer) or self._met_before(now, peer, TUNING.agreement_time))
         )
         return self.found != before
 
@@ -86,6 +87,10 @@ class MismatchedLimits:
         if _foreign(peer) or (peer.silent and peer.plain):
             return True
         time = TUNING.word_time if peer.silent else TUNING.agreement_time
+        return self._met_before(now, peer, time)
+
+    def _met_before(self, now: float, peer: Peer, time: float) -> bool:
+        """Whether a robot was met longer ago than this time, and what so many robots take besides [s]."""
         return now - peer.since > time + TUNING.agreement_per_robot * len(self._peers)
 
     def _warning(self, peer: Peer) -> str:
