@@ -14,8 +14,10 @@ MESH_GROUP = "224.0.0.225:7448"
 """Not Zenoh's default group: the mesh session would link to the robot's own app side."""
 
 
+WAITING = dict.fromkeys(("data_high", "data", "data_low"), TUNING.pieces_waiting)
+"""How much waits in Zenoh's queues for samples, on each side."""
 QUEUES = {
-    "size": dict.fromkeys(("data_high", "data", "data_low"), TUNING.pieces_waiting),
+    "size": WAITING,
     "congestion_control": {
         "drop": {
             "wait_before_drop": TUNING.full_link_wait,
@@ -65,7 +67,7 @@ def app_options(
             "gossip": {"enabled": True},
         },
         "timestamping": {"enabled": False},
-        "transport": {"shared_memory": {"enabled": False}},
+        "transport": {"shared_memory": {"enabled": False}, "link": {"tx": {"queue": {"size": WAITING}}}},
         "adminspace": {"enabled": True, "permissions": {"read": True, "write": False}},
     }
     return merged(options, zenoh_options)

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ import zenoh
 
 from proxy.bridge.sessions import MESH_GROUP, app_options, bounded, merged, mesh_options, open_session
 from proxy.errors import PortInUseError, SessionError
-from tests.proxy.nodes import Heard, closing, free_endpoint
+from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
 
 
@@ -145,3 +146,36 @@ def test_an_unreachable_peer_does_not_hold_up_the_start_and_is_dialled_later(sta
     assert not early.info.peers_zid()
     late = closing(stack, open_session(mesh(endpoint), "mesh"))
     wait_until(lambda: early.info.peers_zid() and late.info.peers_zid(), what="the link")
+
+
+BURST = 400
+"""So many samples of 1 kB come at once: more than Zenoh's own queue and the small sockets between hold."""
+ROOMY = {
+    "mode": "client",
+    "scouting": {"multicast": {"enabled": False}},
+    "transport": {"link": {"tx": {"queue": {"congestion_control": {"drop": {"wait_before_drop": 60_000_000}}}}}},
+}
+"""An application that loses nothing on its own end."""
+
+
+def test_a_burst_waits_for_an_app_that_stands_still_for_a_moment(stack):
+    """What may be dropped is not, where all of it is little: Zenoh's own queue for an app holds 128 kB."""
+    endpoint = free_endpoint()
+    closing(stack, open_session(app_options([f"{endpoint}#so_sndbuf=65536;so_rcvbuf=65536"], {}), "app"))
+    reader = closing(stack, plain_session("client", connect=(f"{endpoint}#so_rcvbuf=4096",)))
+    goes_on, heard = threading.Event(), []
+
+    def take(sample):
+        goes_on.wait()
+        heard.append(sample.payload.to_bytes()[0])
+
+    reader.declare_subscriber("burst", zenoh.handlers.Callback(take, indirect=False))
+    stack.callback(goes_on.set)
+    options = ROOMY | {"connect": {"endpoints": [endpoint], "timeout_ms": 5000, "exit_on_failure": True}}
+    writer = closing(stack, zenoh.open(zenoh.Config.from_json5(json.dumps(options))))
+    wait_matching(writer, "burst")
+    for number in range(BURST):
+        writer.put("burst", bytes([number % 256]) + bytes(999))
+    goes_on.set()
+    wait_until(lambda: len(heard) == BURST, what=f"all {BURST} samples")
+    assert heard == [number % 256 for number in range(BURST)]
