@@ -1,0 +1,78 @@
+"""Robots that are there and say nothing: presence tokens of which nothing else ever comes."""
+
+from collections import deque
+
+import pytest
+import zenoh
+
+from proxy.bridge import keys
+from tests.faults.scene import Numbers, Speaker
+from tests.faults.strangers import Busy
+from tests.proxy.nodes import plain_session
+from tests.waiting import wait_until
+
+pytestmark = pytest.mark.full
+LARGE, RATE = 8_000, 10
+"""Frames of each other robot [B, 1/s]: two times what the limit has room for."""
+SAMPLES = 200
+"""So many small samples have to come while tokens come and go."""
+
+
+class Ghosts(Busy):
+    """A token appears `rate` times a second, and is gone when as many have followed as are there at once."""
+
+    def __init__(self, meshes, rate, *, together):
+        super().__init__()
+        self.pause = 1.0 / rate
+        self.seen = 0
+        self._meshes, self._one = meshes, plain_session("peer", connect=meshes) if together else None
+        self._held = deque()
+
+    def act(self, number):
+        session = self._one or plain_session("peer", connect=self._meshes)
+        token = session.liveliness().declare_token(keys.alive(f"ghost{number}", str(session.zid())))
+        self._held.append((session, token))
+        self.seen += 1
+        if len(self._held) > 3:
+            self._end(*self._held.popleft())
+
+    def stop(self):
+        super().stop()
+        while self._held:
+            self._end(*self._held.popleft())
+        if self._one is not None:
+            self._one.close()
+
+    def _end(self, session: zenoh.Session, token: zenoh.LivelinessToken):
+        token.undeclare()
+        if session is not self._one:
+            session.close()
+
+
+@pytest.mark.parametrize(("rate", "together"), [(1, False), (50, True)], ids=["one", "fifty"])
+def test_who_says_nothing_takes_nothing(play, stack, rate, together):
+    """Four robots share a limit that their cameras fill: small samples all come, frames too, and nobody stays."""
+    scene = play(names="abcd", limit="1 Mbit/s", size=100, rate=20)
+    frames = {}
+    for robot in scene.others:
+        frames[robot.name] = Numbers(scene.application(scene.first), f"camera/{robot.name}")
+        wait_until(lambda robot=robot: f"camera/{robot.name}" in robot.status()["daemon"]["observed"], what="demand")
+        speaker = Speaker(scene.application(robot), f"camera/{robot.name}", size=LARGE, rate=RATE)
+        stack.callback(speaker.stop)
+    wait_until(lambda: all(len(each.heard) > RATE for each in frames.values()), what="frames of each")
+    before, first = {name: len(each.heard) for name, each in frames.items()}, scene.speaker.said
+    ghosts = Ghosts(tuple(robot.mesh for robot in scene.robots.values()), rate, together=together)
+    with ghosts:
+        wait_until(lambda: scene.speaker.said >= first + SAMPLES, what="the small samples")
+        scene.go_on(listeners=[scene.local, *scene.remote])
+        last = scene.speaker.said
+    more = {name: len(each.heard) - before[name] for name, each in frames.items()}
+    print(f"{ghosts.seen} tokens while {last - first} small samples went; frames: {more}")
+    assert ghosts.seen > rate
+    wait_until(lambda: all(numbers.last >= last for numbers in scene.remote), what="the small samples meanwhile")
+    for numbers in scene.remote:
+        lost = set(range(first, last)) - set(numbers.heard)
+        assert not lost, f"{len(lost)} small samples did not come: {sorted(lost)[:20]}"
+    assert all(more.values()), "a robot sent no frame"
+    scene.meet()
+    scene.finish()
