@@ -1,5 +1,6 @@
 """The parts of one robot's core, built once and from the lowest to the highest."""
 
+import math
 from dataclasses import dataclass
 from typing import Self
 
@@ -59,5 +60,6 @@ class Parts:
 
     def due_at(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""
-        due = min(self.gossip.due_at(now), self.gate.wakes_at, self.coordination.due_at(now), now + LONGEST_SLEEP)
+        told = math.inf if self.gate.search.busy() else self.gossip.due_at(now)
+        due = min(told, self.gate.wakes_at, self.coordination.due_at(now), now + LONGEST_SLEEP)
         return max(min(due, self.channel.capacity.wakes_at(now)), now)
