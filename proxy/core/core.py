@@ -239,7 +239,7 @@ class Core:
         )
         budget.mute(announcements.due_at(now))
         commands += gate.next(now)
-        if gate.search.busy() and not (urgent or parts_changed):
+        if now < gate.search.answer_due and not (urgent or parts_changed):
             return commands
         mode, heeded = gate.appraisal.mode, not gate.appraisal.all_fits and parts.coordination.team.must_announce
         relaxed = not (heeded or channel.capacity.factors)

@@ -1,6 +1,5 @@
 """The parts of one robot's core, built once and from the lowest to the highest."""
 
-import math
 from dataclasses import dataclass
 from typing import Self
 
@@ -60,6 +59,6 @@ class Parts:
 
     def due_at(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""
-        told = math.inf if self.gate.search.busy() else self.gossip.due_at(now)
+        told = max(self.gossip.due_at(now), self.gate.search.answer_due)
         due = min(told, self.gate.wakes_at, self.coordination.due_at(now), now + LONGEST_SLEEP)
         return max(min(due, self.channel.capacity.wakes_at(now)), now)
