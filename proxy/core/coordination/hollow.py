@@ -31,7 +31,8 @@ class _Claim(NamedTuple):
 
     told: float
     counted: Sent
-    streams: Sent
+    streams: Mapping[str, tuple[int, float]]
+    """By key how many messages, copies counted, and their mean size [B]."""
     came: Mapping[str, tuple[float, int]]
 
 
@@ -94,8 +95,8 @@ def _account(now: float, view: SharedView) -> _Account:
 
 
 def _claim(now: float, peer: Peer, view: SharedView) -> _Claim:
-    sent = [(s.forwarded * view.subscribers.copies(s), s.sizes.mean) for s in view.streams.of(peer.robot)]
-    streams = sum(count for count, _ in sent), sum(count * size for count, size in sent)
+    own = view.streams.of(peer.robot)
+    streams = {s.key: (s.forwarded * view.subscribers.copies(s), s.sizes.mean) for s in own}
     told, *counted = peer.counted or (-math.inf, 0, 0)
     came = {**peer.came, tag(view.settings.zid): (now, peer.inbound.samples)}
     return _Claim(told, (counted[0], counted[1]), streams, came)
@@ -144,7 +145,7 @@ def _use(
     Of whom somebody has not told what came of it so much is believed without: `untold`.
     """
     elapsed = after.at - before.at
-    ours = _part(before.ours, after.ours, elapsed, limits)
+    ours = _part(_less(after.ours, before.ours), elapsed, limits)
     every = list(ours)
     for name in before.claims.keys() & after.claims.keys():
         both, receivers = (before.claims[name], after.claims[name]), _receivers(name, view)
@@ -161,17 +162,31 @@ def _confirmed(
     """Return which part of each limit a robot says to have used, and how much of that came, as others say."""
     apart = now.told - then.told if 0.0 < now.told - then.told < math.inf else elapsed
     told = [
-        (now.counted[0] - then.counted[0], _part(then.counted, now.counted, apart, limits)),
-        (now.streams[0] - then.streams[0], _part(then.streams, now.streams, elapsed, limits)),
+        (sent[0], _part(sent, since, limits))
+        for sent, since in ((_less(now.counted, then.counted), apart), (_of_streams(then, now), elapsed))
     ]
     messages, use = max(told, key=lambda each: max(each[1]))
     came = sum(max(0, now.came[by][1] - then.came[by][1]) for by in receivers if by in now.came and by in then.came)
     return use, min(1.0, came / messages) if messages > 0 else 0.0
 
 
-def _part(before: Sent, after: Sent, elapsed: float, limits: tuple[Limit, ...]) -> list[float]:
-    """Return which part of each limit was used, in the mean."""
-    messages, size = after[0] - before[0], after[1] - before[1]
+def _less(after: Sent, before: Sent) -> Sent:
+    return after[0] - before[0], after[1] - before[1]
+
+
+def _of_streams(then: _Claim, now: _Claim) -> Sent:
+    """Return what was sent of a robot's streams meanwhile, by the mean sizes that they have now.
+
+    Of all that was ever sent a mean that changes by a hundredth makes more in an hour than the limit has room for.
+    """
+    known = now.streams.keys() & then.streams.keys()
+    sent = [(now.streams[key][0] - then.streams[key][0], now.streams[key][1]) for key in known]
+    return sum(count for count, _ in sent), sum(count * size for count, size in sent)
+
+
+def _part(sent: Sent, elapsed: float, limits: tuple[Limit, ...]) -> list[float]:
+    """Return which part of each limit that uses, in the mean."""
+    messages, size = sent
     if messages <= 0:
         return [0.0] * len(limits)
     each = use_of(max(0, round(size / messages)), 1, limits, own=False)

@@ -32,6 +32,7 @@ per_byte = "2 uJ"
 """
 TAGS = {"a": "aa00000001", "b": "bb00000001", "c": "cc00000001"}
 SIZE, RATE, LIMIT, TAKES = 500, 50, 50_000, 0.01
+HISTORY = 100_000
 
 
 @pytest.fixture(scope="module")
@@ -51,8 +52,8 @@ class Air:
         for name, other in ("ab", "ba"):
             self.tell(name, ev.InterestChanged(0.0, ("camera/*",)))
             self.tell(name, ev.PeerAppeared(0.0, other, TAGS[other]))
-        self._each(1 / RATE, self._publish)
-        self._each(0.005, self._wake)
+        self.each(1 / RATE, self._publish)
+        self.each(0.005, self._wake)
 
     def run(self, until):
         while self._heap[0][0] < until:
@@ -78,7 +79,7 @@ class Air:
             for name in self.cores:
                 self.tell(name, ev.DigestHeard(self.now, digest, 100))
 
-        self._each(0.05, speak)
+        self.each(0.05, speak)
 
     def rate(self, since):
         """Return what a has sent since then [B/s]."""
@@ -90,7 +91,7 @@ class Air:
     def _at(self, when, what):
         heapq.heappush(self._heap, (when, next(self._order), what))
 
-    def _each(self, pause, what):
+    def each(self, pause, what):
         def again():
             what()
             self._at(self.now + pause, again)
@@ -176,3 +177,22 @@ def test_who_asked_for_split_is_left_with_it(specs):
     air.lie(boasts)
     air.run(12.0)
     assert not air.found()
+
+
+def test_what_was_sent_long_ago_hides_no_claim(specs):
+    """Its samples slowly grow: that makes the many before no larger, and is nothing that it sends now."""
+    air, claimed = Air(specs), count(20, 20)
+    air.run(8.0)
+
+    def needs(now, _):
+        sent, lies = HISTORY + int(now), now > 30.0
+        generated, scale = (sent + next(claimed), 1e6) if lies else (sent, 1.0)
+        return StreamDigest(1, generated, sent, now, float(int(now)), 2500 + int(10 * now), scale), sent, 2500 * sent
+
+    air.lie(needs)
+    air.each(1.0, lambda: air.tell("b", ev.SampleHeard(air.now, "camera/c", 2500, TAGS["c"], None, None)))
+    air.run(30.0)
+    assert not air.found()
+    while not air.found():
+        air.run(air.now + 1.0)
+        assert air.now < 70.0
