@@ -1,6 +1,7 @@
 """`sendworthy run`: the daemon of this robot."""
 
 import argparse
+import ctypes
 import gc
 import logging
 import os
@@ -24,6 +25,8 @@ from proxy.version import version
 from utility_specs import Specs, SpecsError
 
 log = logging.getLogger("sendworthy")
+
+LIBC = ctypes.CDLL(None)
 
 LOOK = 1.0
 """Time between two looks at files of which the kernel says nothing [s]; each wakes the processor."""
@@ -148,9 +151,14 @@ def look(reloading: Reloading, notices: Notices) -> bool:
 
 
 def settle() -> None:
-    """Have what is there by now never looked through for garbage: that would stop all threads for 30 ms."""
+    """Have what is there by now never looked through for garbage: that would stop all threads for 30 ms.
+
+    The system gets back what memory only the start took: about 1 MB.
+    """
     gc.freeze()
     gc.enable()
+    if hasattr(LIBC, "malloc_trim"):  # of glibc
+        LIBC.malloc_trim(0)
 
 
 def broadcasting(config: Config) -> str:
