@@ -75,7 +75,7 @@ class Loop:
         self._noted: deque[Item | _Timed | None] = deque()
         """What the core only notes."""
         self._collect_at = -math.inf
-        """When it is looked whether there is more of it, as there was some lately [s]: to be woken for it costs more."""
+        """When it is looked whether there is more of it, as there was some lately [s]: to be woken costs more."""
         self._core_notes = False
         """Whether there is nothing for which it needs to know of such events at once."""
         self._following: deque[Item | _Timed | None] = deque()

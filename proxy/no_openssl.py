@@ -12,4 +12,5 @@ BINDING = "_hashlib"
 def leave_out() -> None:
     """Have `hashlib` use Python's own hashes, if it was not imported before."""
     if "hashlib" not in sys.modules:
-        sys.modules.setdefault(BINDING, None)  # type: ignore[arg-type] - so says Python that it cannot be imported
+        # With None in its place Python says that it cannot be imported.
+        sys.modules.setdefault(BINDING, None)  # type: ignore[arg-type]

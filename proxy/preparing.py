@@ -1,8 +1,8 @@
 """Loads what decisions compute with: once there may be something to decide, and on a thread of its own.
 
-NumPy, what uses it and the engine take 15 MB and 0.1 s. A daemon through which nothing covered goes, and from which nobody wants
-anything that is, does without. Else they are there before samples compete for room: the market has to wait for them
-only where somebody subscribes within that moment.
+NumPy, what uses it and the engine take 15 MB and 0.1 s. A daemon through which nothing covered goes, and from which
+nobody wants anything that is, does without. Else they are there before samples compete for room: the market has to wait
+for them only where somebody subscribes within that moment.
 """
 
 from importlib import import_module

@@ -46,11 +46,10 @@ class Presence:
     """What this daemon tells the others beside the data, and what it hears from them.
 
     `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread; `later` gets them
-    with the time when they are due [s]. `offer` gets what may be left out when the loop is behind, `note` what besides may
-    wait until something else happens. `old` tells whether
-    the core has heard a digest of a tag that was sent then [s], or a later one; from any thread. With `broadcast` that
-    is where digests go. `hold_back` is told who vanishes, returns, and has copies for us. `certified` robots are those
-    whose certificates access control knows.
+    with the time when they are due [s]. `offer` gets what may be left out when the loop is behind, `note` what may also
+    wait for what happens next. `old` tells whether the core has heard a digest of a tag that was sent then [s], or a
+    later one; from any thread. With `broadcast` that is where digests go. `hold_back` is told who vanishes, returns,
+    and has copies for us. `certified` robots are those whose certificates access control knows.
     """
 
     def __init__(

@@ -71,7 +71,7 @@ class GossipTuning:
     # When digests go, and what is in them.
     slowest_digest: float = 1.0
     """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
-    relaxed: float = 0.2
+    relaxed: float = 0.1
     """Where there is room for all, or nobody else sends, ordinary news are so far apart at least [s]: a digest for each
     of 200 small samples per second took half of the sender's time, and more than half of the receiver's. Where limits
     follow the channel digests tell of it, and go on."""
