@@ -177,7 +177,6 @@ class Daemon:
         opening.callback(self.recording.close, TUNING.stop_wait)  # after the loop
         if config.record.on:
             self.recording.start(payloads=config.record.payloads, whole=True)
-        self._planning.start()
         self._loop.start()
         for close in (self._planning.close, extractor.close, self._loop.close):
             opening.callback(close, TUNING.stop_wait)

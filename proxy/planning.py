@@ -27,11 +27,6 @@ class Planning:
         self._told = -1
         """The ticket of the last decision of which the core knows the answer, or that there is none in time."""
 
-    def start(self) -> None:
-        """Start answering."""
-        self._samples.start()
-        self._ahead.start()
-
     def close(self, timeout: float) -> None:
         """Stop after the decisions in hand; wait for them at most `timeout` [s]."""
         end = clock.monotonic() + timeout

@@ -76,18 +76,17 @@ class Worker:
         self._began = math.inf
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
 
-    def start(self) -> None:
-        """Start deciding."""
-        self._thread.start()
-
     def close(self, timeout: float) -> None:
         """Stop after the decision in hand; wait for it at most `timeout` [s]."""
         self._orders.put(None)
-        self._thread.join(timeout)
+        if self._thread.ident is not None:
+            self._thread.join(timeout)
 
     def submit(self, decision: Decision) -> None:
-        """Go on with `decision` when its turn comes, and post its answer."""
+        """Go on with `decision` when its turn comes, and post its answer. From one thread at a time."""
         self._orders.put(decision)
+        if self._thread.ident is None:  # few daemons need it
+            self._thread.start()
 
     def busy(self, now: float) -> bool:
         """Whether the decision in hand is overdue: nothing that is submitted now will be answered soon."""

@@ -44,8 +44,8 @@ class Driven:
         self.done, self.samples = [], 0
         self.loop = Loop(Core(settings, load_specs(path), clock.monotonic()), self._execute)
         self.planning = Planning(SearchSettings(), deadline, self.loop)
+        self.loop.start()
         for part in (self.planning, self.loop):
-            part.start()
             stack.callback(part.close, 1.0)
         stack.callback(Slow.may.set)
         now = clock.monotonic()

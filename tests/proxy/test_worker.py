@@ -87,7 +87,6 @@ def test_the_worker_answers_and_stops(command):
     """Each order is answered with its ticket; a closed worker has finished."""
     answers = queue.SimpleQueue()
     worker = Worker(0.1, answers.put)
-    worker.start()
     for ticket in (1, 2):
         worker.submit(ordered(command, ticket))
         assert answers.get(timeout=10.0).ticket == ticket
@@ -104,7 +103,6 @@ def test_of_orders_that_wait_only_the_newest_is_answered(command):
         end.wait(20.0)
 
     worker = Worker(0.1, slow)
-    worker.start()
     worker.submit(ordered(command))
     assert answers.get(timeout=10.0) == command.ticket
     for ticket in (8, 9, 10):
@@ -138,7 +136,6 @@ def test_a_decision_that_never_ends_is_noticed(command):
     """While nothing is decided nothing is stuck, nor what may still end in time."""
     end = threading.Event()
     worker = Worker(0.5, lambda _: end.wait(20.0))
-    worker.start()
     assert not worker.stuck(clock.monotonic() + 60.0)
     submitted = clock.monotonic()
     worker.submit(ordered(command))
