@@ -1,10 +1,8 @@
 """Chooses an engine and a search for a problem."""
 
-from planner.native_engine import NativeSearch
 from planner.problem import Problem
 from planner.search import Search, SearchSettings
 from planner.settings import check_settings
-from planner.tables import tabulate
 
 
 def start(problem: Problem, settings: SearchSettings, seed: int = 0) -> Search:
@@ -14,6 +12,9 @@ def start(problem: Problem, settings: SearchSettings, seed: int = 0) -> Search:
     numbers today, so that equal views give equal plans; the seed is for evaluation models that sample. A stream
     whose own aggregation has more states than a table holds is for the Python engine, whatever the settings say.
     """
+    from planner.native_engine import NativeSearch  # here: 2 MB that who never searches does without
+    from planner.tables import tabulate
+
     del seed
     check_settings(settings)
     tables = tabulate(problem, beyond=settings.search == "best")

@@ -16,8 +16,8 @@ from typing import NoReturn, TypeAlias
 
 from proxy import exit_codes
 from proxy.errors import CommandError
+from proxy.no_openssl import leave_out
 from proxy.version import version
-from utility_specs.suggestions import hint, quoted
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - it has no other name
 Command = Callable[[Subparsers], None]
@@ -75,6 +75,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     wanted = next((word for word in arguments if not word.startswith("-")), None)
+    if wanted == "run":
+        leave_out()  # before anything is imported that hashes
     try:
         whole, subparsers = parser(wanted)
     except CommandError as error:
@@ -84,6 +86,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if first.startswith("-") and first not in WITHOUT_COMMAND:
         refuse(first, whole)
     if first and first == wanted and wanted not in subparsers.choices:
+        from utility_specs.suggestions import hint, quoted  # noqa: PLC0415 - pydantic comes with it
+
         whole.error(f"unknown command {quoted(wanted)}{hint(wanted, subparsers.choices)}")
     parsed, unknown = whole.parse_known_args(arguments)
     if unknown and hasattr(parsed, "further"):

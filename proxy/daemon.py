@@ -214,6 +214,7 @@ class Daemon:
             self._bridge.executors[0],
             loop.post,
             loop.offer,
+            note=loop.note,
             later=loop.post_at,
             old=lambda now, name, sent: is_old(now, peers.get(name), sent),
             hold_back=hold_back,

@@ -111,10 +111,11 @@ class Extractor:
     def _goes_at_once(self, event: SamplePublished, covering: InformationType) -> bool:
         """Whether the core took in a sample that has no features, before which none of its key waits."""
         key, now = event.key, event.now
-        if covering.features or key in self._places or self._next.get(key, now) > now or not self._lead(event):
+        due = self._next.get(key, now)
+        if covering.features or key in self._places or due > now + TUNING.uptakes_ahead or not self._lead(event):
             return False
         if covering.markovian:
-            self._take_up(key, now + TUNING.uptake_interval)
+            self._take_up(key, max(due, now) + TUNING.uptake_interval)
         return True
 
     def reread(

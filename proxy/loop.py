@@ -74,9 +74,9 @@ class Loop:
         self._orders: deque[Callable[[], None]] = deque()
         """What is done before all that waits."""
         self._noted: deque[Item | _Timed | None] = deque()
-        """Events that the core only notes."""
-        self._collects = False
-        """Whether they are looked for soon."""
+        """What the core only notes."""
+        self._collect_at = -math.inf
+        """When it is looked whether there is more of it, as there was some lately [s]: to be woken costs more."""
         self._core_notes = False
         """Whether there is nothing for which it needs to know of such events at once."""
         self._following: deque[Item] = deque()
@@ -124,19 +124,19 @@ class Loop:
         self._orders.append(job)
         self._ring()
 
-    def note(self, event: Event) -> None:
+    def note(self, item: Item) -> None:
         """Let the core know, if not too many wait, of what it only notes as things are: with what happens next.
 
-        That is in `TUNING.noted` at the latest: the loop did not wake for each of 200 samples a second that came. From
-        any thread.
+        That is in `TUNING.noted` at the latest, or when so much has come: the loop did not wake for each of 200 samples
+        a second that came. From any thread.
         """
         if not self._core_notes or len(self._noted) >= TUNING.items:
-            self.offer(event)
+            self.offer(item)
             return
-        self._noted.append(event)
-        if not self._collects:
-            self._collects = True
-            self._put((event.now + TUNING.noted, next(self._numbers), self._collect))
+        self._noted.append(item)
+        late = self._until > clock.monotonic() + TUNING.noted
+        if late or len(self._noted) >= TUNING.noted_at_once or not self._core_notes:
+            self._ring()
 
     def post_at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""
@@ -211,7 +211,7 @@ class Loop:
                 if not self._following or self._items or self._orders:
                     break
                 todo = self._following.popleft()
-            due = bool(self._following) or self._due_sooner()
+            due = bool(self._following) or self._due_sooner() or bool(self._noted and not self._core_notes)
         finally:
             self._user = 0
             self._lease.release()
@@ -251,7 +251,7 @@ class Loop:
         self._wake_at = clock.monotonic()
         while self._work():
             self._awake = False
-            if not (self._items or self._orders or self._following or self._due_sooner()):
+            if not (self._items or self._orders or self._following or self._noted or self._due_sooner()):
                 with suppress(Empty):
                     self._bell.get(timeout=max(self._until - clock.monotonic(), 0.0))
             self._awake = True
@@ -276,6 +276,8 @@ class Loop:
             waiting = self._following or self._noted or self._items
             if not waiting:
                 return self._rest(now)
+            if waiting is self._noted:
+                self._collect_at = now + TUNING.noted
             item = waiting.popleft()
             if not isinstance(item, tuple):
                 return _Rest.END if item is None else item
@@ -286,11 +288,9 @@ class Loop:
         if self._wake_at <= now:
             return TimePassed(now)
         self._until = min(self._wake_at, self._timed[0][0]) if self._timed else self._wake_at
+        if self._collect_at > now:
+            self._until = min(self._until, self._collect_at)
         return _Rest.WAIT
-
-    def _collect(self) -> None:
-        """What was noted comes next; for what is noted from now on it is looked again."""
-        self._collects = False
 
     def _digest(self, item: Item) -> float:
         """Handle one item; return when time must pass next."""

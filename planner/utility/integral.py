@@ -1,6 +1,5 @@
 """What one message is worth up to an age: in C++, as NumPy takes 30 us for each."""
 
-from planner import _native
 from planner.utility.base import MessageUtility
 from planner.utility.custom import Custom
 from planner.utility.exponential import Exponential
@@ -17,6 +16,8 @@ STANDARD = (Linear, Video, Exponential, Step, Polynomial, Power, Table, Custom)
 
 def integral(utility: MessageUtility, until: float) -> float:
     """Return what a message is worth up to an age [s] to one who has it from the start [1]."""
+    from planner import _native  # here: 2 MB that who never decides does without
+
     area = _native.integral(utility, STANDARD, until)
     if area is not None:
         return area

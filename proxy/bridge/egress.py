@@ -126,7 +126,7 @@ class Egress:
 
     def _goes_at_once(self, held: Held) -> bool:
         """Whether a decided sample need wait for nothing: neither for its pace, nor for others, nor for a link."""
-        with self._wake:
+        with self._lock:
             ready = self._running and self._open and not self._deciding
             ready = ready and self._decided.free(clock.monotonic(), self._on_air(held))
             ready = ready and (bool(held.to) or held.key not in self._passing_keys)
@@ -259,7 +259,7 @@ class Egress:
         sent = self.writer.write(held, droppable=droppable)
         now = self._sent_at = clock.monotonic()
         if sent:
-            with self._wake:
+            with self._lock:
                 self._decided.sent(now, self._on_air(held))
         self._answer(now, number, held, sent=sent)
 
@@ -285,5 +285,5 @@ class Egress:
             return
         self._passed.add(reason, air)
         if not self._decided.unpaced:
-            with self._wake:
+            with self._lock:
                 self._decided.push_back(clock.monotonic(), air, TUNING.push_back)

@@ -123,7 +123,8 @@ class Ingress:
         if not self._deduplication.takes(number, key, sample) or self._aside:
             return
         stamp = sample.timestamp
-        if stamp is not None and origin_of(stamp) == self._own:
+        origin = None if stamp is None else origin_of(stamp)
+        if origin == self._own:
             self.returned += 1
             return
         course = self._courses.of(key)
@@ -136,28 +137,28 @@ class Ingress:
         if course.passes is not None:
             self._egress.pass_on(course.passes, held)
         elif course.covering is not None:
-            self._hold(now, held, course.covering, each=course.each)
+            self._hold(now, held, origin, course.covering, each=course.each)
 
     def _drop(self, reason: str) -> None:
         if reason == DENIED:
             self._rules.out.count("samples")
         self._passed.add(reason, 0)
 
-    def _hold(self, now: float, held: Held, covering: InformationType, *, each: bool) -> None:
+    def _hold(self, now: float, held: Held, origin: str | None, covering: InformationType, *, each: bool) -> None:
         if self._room.crowded and held.waits and not self._egress.stands:
             self._room.linger(held.size)
         number = self._payloads.enter(held)
         if number is None:
             self._passed.add(OVERFLOW, 0)
             return
-        sample, stamp = held.sample, held.sample.timestamp
+        sample = held.sample
         published = SamplePublished(
             now=now,
             sample=number,
             key=held.key,
             size=held.size,
-            t_gen=generated(stamp, now, clock.wall()),
-            origin=None if stamp is None else origin_of(stamp),
+            t_gen=generated(None if origin is None else held.stamp, now, clock.wall()),
+            origin=origin,
             priority=priority_of(sample),
             features={},
             delete=sample.kind == zenoh.SampleKind.DELETE,

@@ -46,10 +46,10 @@ class Presence:
     """What this daemon tells the others beside the data, and what it hears from them.
 
     `post` gets events, and functions that make one: what arrives is unpacked on the loop's thread; `later` gets them
-    with the time when they are due [s]. `offer` gets what may be left out when the loop is behind. `old` tells whether
-    the core has heard a digest of a tag that was sent then [s], or a later one; from any thread. With `broadcast` that
-    is where digests go. `hold_back` is told who vanishes, returns, and has copies for us. `certified` robots are those
-    whose certificates access control knows.
+    with the time when they are due [s]. `offer` gets what may be left out when the loop is behind, `note` what may also
+    wait for what happens next. `old` tells whether the core has heard a digest of a tag that was sent then [s], or a
+    later one; from any thread. With `broadcast` that is where digests go. `hold_back` is told who vanishes, returns,
+    and has copies for us. `certified` robots are those whose certificates access control knows.
     """
 
     def __init__(
@@ -60,6 +60,7 @@ class Presence:
         post: Post,
         offer: Offer,
         *,
+        note: Callable[[Job], object],
         later: Later,
         old: Old,
         hold_back: HoldBack,
@@ -73,6 +74,7 @@ class Presence:
         self._tag = tag(self._zid)
         self._executor = executor
         self._offer = offer
+        self._note = note
         self._state: bytes | None = None
         self._sent: deque[int] = deque(maxlen=BOUNDS.echoed_digests)
         self._answered: deque[float] = deque(maxlen=BOUNDS.answers)
@@ -185,7 +187,7 @@ class Presence:
                 self.floods.refuse(now, robot, "digest:flood")
             else:
                 self._note_version(now, name, version)
-                self._offer(partial(self._digest, now, robot, name, data))
+                self._note(partial(self._digest, now, robot, name, data))
 
     def _hear_state(self, sample: zenoh.Sample) -> None:
         """States are large, and one that is not taken in is asked for: of who is not known none is read."""

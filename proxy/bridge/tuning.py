@@ -22,8 +22,8 @@ class BridgeTuning:
     full_link_closes: int = 5_000_000
     """A link that takes this long for a publication that must not be dropped is given up [µs], as long as routers wait:
     with 2 s a sample of 1 MB ended each link of 3 Mbit/s, and was lost."""
-    threads_sending: int = 2
-    """Zenoh's threads that send, for both sides together."""
+    threads_sending: int = 1
+    """Zenoh's threads that send, for both sides together: a second one is only woken beside the first."""
     threads_receiving: int = 12
     """Those that receive. Whoever publishes with BLOCK to an app that hangs keeps two of them for as long as Zenoh puts
     up with that app: with so many, five robots that do leave some to the other apps. They share no runtime with those

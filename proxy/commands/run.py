@@ -14,6 +14,7 @@ from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_files import standard
 from proxy.errors import ConfigError, ProxyError
 from proxy.extras import needs, there
+from proxy.heap import give_back, keep_together
 from proxy.log import set_up_logging
 from proxy.notices import Notices
 from proxy.priority import raise_priority
@@ -24,6 +25,7 @@ from proxy.version import version
 from utility_specs import Specs, SpecsError
 
 log = logging.getLogger("sendworthy")
+
 
 LOOK = 1.0
 """Time between two looks at files of which the kernel says nothing [s]; each wakes the processor."""
@@ -108,6 +110,7 @@ def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read
     """Run the daemon until it is `asked` to stop; whether all is closed then. Raises ProxyError at start."""
     from proxy.opening import Opening  # noqa: PLC0415 - Zenoh only when the configuration is right
 
+    keep_together()
     gc.disable()  # nothing of all that is made now is garbage
     opening = Opening(config)
     with opening.closing as closing:
@@ -151,6 +154,7 @@ def settle() -> None:
     """Have what is there by now never looked through for garbage: that would stop all threads for 30 ms."""
     gc.freeze()
     gc.enable()
+    give_back()
 
 
 def broadcasting(config: Config) -> str:

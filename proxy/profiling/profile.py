@@ -5,11 +5,13 @@ import threading
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from proxy.profiling.sampler import Spent
 from proxy.profiling.stages import OTHER, STAGES, ZENOH, stage_of
 from proxy.profiling.threads import is_zenohs
+
+if TYPE_CHECKING:
+    from proxy.profiling.sampler import Spent
 
 MOST = 1000
 """Stacks that a profile tells apart; of the others only the stage is told."""
@@ -96,7 +98,7 @@ def read(data: Mapping[str, Any]) -> Profile:
     )
 
 
-def branches(spent: Iterable[Spent], whole: float) -> tuple[Branch, ...]:
+def branches(spent: "Iterable[Spent]", whole: float) -> tuple[Branch, ...]:
     """Return what was spent by stack, most first; of `whole` [s] what no thread took that was seen is there, too."""
     sums = defaultdict[tuple[str, tuple[str, ...]], float](float)
     for stage, frames, seconds in _named(spent):
@@ -112,7 +114,7 @@ def branches(spent: Iterable[Spent], whole: float) -> tuple[Branch, ...]:
     return (*found, *(Branch(stage, (REST,), seconds) for stage, seconds in rest.items()))
 
 
-def _named(spent: Iterable[Spent]) -> Iterator[tuple[str, tuple[str, ...], float]]:
+def _named(spent: "Iterable[Spent]") -> Iterator[tuple[str, tuple[str, ...], float]]:
     """Yield stages, threads and functions by name; threads of Zenoh that do the same are one."""
     modules = {getattr(module, "__file__", None): name for name, module in list(sys.modules.items())}
     for each in spent:

@@ -4,12 +4,14 @@ import math
 import threading
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING
 
 from proxy import clock
-from proxy.profiling.layout import find_layout
 from proxy.profiling.profile import Branch, Profile, Samples, branches
 from proxy.profiling.request import ProfileError, Request
-from proxy.profiling.sampler import Sampler
+
+if TYPE_CHECKING:
+    from proxy.profiling.sampler import Sampler
 
 Told = Callable[[Profile], None]
 
@@ -39,6 +41,9 @@ class Profiler:
 
     def start(self, request: Request, told: Told) -> None:
         """Take a profile, which `told` gets. Raises ProfileError while another one is being taken, or LayoutError."""
+        from proxy.profiling.layout import find_layout  # noqa: PLC0415 - 1 MB, with the library of C++
+        from proxy.profiling.sampler import Sampler  # noqa: PLC0415
+
         now = clock.monotonic()
         if self._sampler is not None:
             raise ProfileError(f"a profile is being taken; it ends in {max(self._ends - now, 0.0):.1f} s")
@@ -61,7 +66,7 @@ class Profiler:
         if thread is not None:
             thread.join(timeout)
 
-    def _run(self, sampler: Sampler, before: Samples, told: Told) -> None:
+    def _run(self, sampler: "Sampler", before: Samples, told: Told) -> None:
         spent = sampler.run()
         found = branches(spent, sampler.whole)
         self._post(lambda: self._counted(lambda: self._end(sampler, found, before, told)))
@@ -71,7 +76,7 @@ class Profiler:
         self._flush()
         self._post(then)
 
-    def _end(self, sampler: Sampler, found: tuple[Branch, ...], before: Samples, told: Told) -> None:
+    def _end(self, sampler: "Sampler", found: tuple[Branch, ...], before: Samples, told: Told) -> None:
         self.last = Profile(
             robot=self._robot,
             seconds=sampler.seconds,

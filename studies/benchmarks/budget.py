@@ -49,7 +49,10 @@ UNDISPUTED = Workload("undisputed", ((SMALL,),), 100 * MBIT, 0.5)
 
 @dataclass(frozen=True, slots=True)
 class Idle:
-    """What a node is that has nothing to do: part of a core, threads, memory in use and that nobody shares [B]."""
+    """What a node is that has nothing to do: part of a core, threads, memory in use and that nobody shares [B].
+
+    Memory is that before the profile: what takes it is loaded with the first one.
+    """
 
     core: float
     threads: int
@@ -155,6 +158,7 @@ def _idle(mode: str, others: int, seconds: float) -> Idle:
 
 
 def _measured(process: Process, node: Node | None, seconds: float) -> Idle:
+    memory = resident_memory(process.pid), private_memory(process.pid)  # before any profile
     began, before = time.monotonic(), processor_time(process.pid)
     profile = None
     if node is None:
@@ -164,7 +168,7 @@ def _measured(process: Process, node: Node | None, seconds: float) -> Idle:
             profile = client.profile(OPERATOR, Request(seconds))
     spent = processor_time(process.pid) - before - (profile.own if profile else 0.0)
     core = spent / (time.monotonic() - began)
-    return Idle(core, threads(process.pid), resident_memory(process.pid), private_memory(process.pid), profile)
+    return Idle(core, threads(process.pid), *memory, profile)
 
 
 def _samples(flights: dict[tuple[str, str], Flight], seconds: float) -> Table:

@@ -35,6 +35,7 @@ SERVERS = {"asyncio", "email", "html", "http", "socketserver", "ssl", "xml"}
 FOR_MISTAKES = {"difflib", "unicodedata"}
 OTHERS = {
     *("importlib.metadata", "multiprocessing", "csv", "zipfile"),
+    *("planner.tables", "planner._native", "proxy.profiling._native"),
     *("proxy.metrics.server", "proxy.metrics.collector", "proxy.recording.recorder", "proxy.status"),
     *("proxy.commands.status", "proxy.commands.client", "proxy.top", "proxy.decisions_text", "proxy.quantities"),
 }

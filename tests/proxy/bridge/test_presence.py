@@ -56,6 +56,7 @@ class Voiced:
             executor,
             self._post,
             self._post,
+            note=self._post,
             later=self._post_later,
             old=lambda _, name, sent: sent <= self.heard.get(name, -1.0),
             hold_back=self.hold_back,

@@ -33,7 +33,7 @@ def test_stages_and_stacks_are_told(taken):
     )
     assert profile["samples"] == {"decided": 0, "passed": 0, "delivered": 0}
     named = {each["frames"][0] for each in profile["stacks"]}
-    assert {"loop", "egress", "planner", "zenoh rx"} <= named
+    assert {"loop", "egress", "zenoh rx"} <= named
 
 
 def test_the_flame_graph_is_a_picture(taken):
