@@ -34,9 +34,9 @@ from studies.simulation.traffic.workloads import Workload, mixed
 SETTLING = 6.0
 """The first turn begins so long after the traffic: streams are known then [s]."""
 SWITCH = 1.0
-"""What teams take so long after others watch is left out: who watches connects, recordings begin with a snapshot [s]."""
+"""What teams take so long after others watch is left out: they connect, and recordings begin with a snapshot [s]."""
 TURN = 10.0
-"""How long a turn is measured [s]: a multiple of the times after which `top` asks, metrics are scraped, records written."""
+"""How long a turn is measured [s]: a multiple of how often `top` asks, metrics are scraped and records written."""
 LEAD = 0.5
 """The applications are told the start time this long ahead [s]."""
 PATIENCE = 30.0
@@ -131,28 +131,28 @@ class Flown:
 
 def measure_watching(*, quick: bool) -> list[Table]:
     """Fly all cases at once, for seven minutes; `quick` takes one, and tells of everything together only."""
-    plan = (ALL, ALL) if quick else (ALL, *WATCHES, *WATCHES, ALL, *WATCHES, ALL)
+    plan = (ALL, ALL) if quick else (ALL, *WATCHES) * 3
     return tables(fly(CASES, plan), json_line())
 
 
 def fly(cases: Sequence[Case], plan: Sequence[Watch]) -> dict[Case, Flown]:
-    """Fly two teams of each case at once, with a round of each watch of the plan; the first one is `ALL`.
+    """Fly two teams of each case at once, with a round of each watch of the plan.
 
-    Before that one of each flies for as long as that first round takes, with nothing of it on board.
+    Before these comes a round of `ALL`, in which all that is needed is loaded: of it memory is told, and not the time.
+    Before that one team of each flies for as long with nothing of it on board.
     """
     two = 2 * (SWITCH + TURN)
     with started(cases, two, 1, watchable=False) as (teams, start):
         wait_until(start + SETTLING + two)
         bare = [team.memory() for (team,) in teams]
     rounds: list[dict[Watch, list[Round]]] = [{} for _ in cases]
-    with started(cases, two * len(plan), 2, watchable=True) as (teams, start):
+    with started(cases, two * (1 + len(plan)), 2, watchable=True) as (teams, start):
         wait_until(start + SETTLING)
-        full = list[tuple[float, float]]()
+        fly_round(teams, ALL)
+        full = [watched.memory() for _, watched in teams]
         for watch in plan:
-            first, second = turn(teams, watch, 0), turn(teams, watch, 1)
-            for found, one, other in zip(rounds, first, second, strict=True):
-                found.setdefault(watch, []).append(Round(one, other))
-            full = full or [watched.memory() for _, watched in teams]
+            for found, flown in zip(rounds, fly_round(teams, watch), strict=True):
+                found.setdefault(watch, []).append(flown)
         lines = [fmean(team.lines() for team in both) / (time.monotonic() - start) for both in teams]
     more = [(its[0] - without[0], its[1] - without[1]) for its, without in zip(full, bare, strict=True)]
     robots = [len(case.workload.robots) for case in cases]
@@ -176,6 +176,12 @@ def started(
         for team in every:
             team.tell(start)
         yield teams, start
+
+
+def fly_round(teams: Sequence[Sequence["Team"]], watch: Watch) -> list[Round]:
+    """Watch both teams for a turn each; return what they take in each case."""
+    first, second = turn(teams, watch, 0), turn(teams, watch, 1)
+    return [Round(one, other) for one, other in zip(first, second, strict=True)]
 
 
 def turn(teams: Sequence[Sequence["Team"]], watch: Watch, watched: int) -> list[tuple[float, float]]:
