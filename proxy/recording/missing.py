@@ -21,11 +21,19 @@ class Missing:
         self._kinds: list[type[Event]] = []
         """Of those that are not in the counts yet: of every event that is written it is counted what it is."""
 
-    def events_of(self, first: int, kinds: Iterable[type[Event]]) -> None:
-        """Count events of these classes in a row, from number `first` on."""
+    def event(self, number: int, event: Event) -> None:
+        """Count an event; of several in their order."""
+        if self.first is None:
+            self.first = number
+        self._kinds.append(type(event))
+        if len(self._kinds) >= _MANY:
+            self._count()
+
+    def all_events(self, first: int, events: Iterable[Event]) -> None:
+        """Count events in a row, from number `first` on."""
         if self.first is None:
             self.first = first
-        self._kinds += kinds
+        self._kinds += map(type, events)
         if len(self._kinds) >= _MANY:
             self._count()
 

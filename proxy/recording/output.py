@@ -23,9 +23,8 @@ from utility_specs import Specs
 log = logging.getLogger(__name__)
 
 
-Taken = tuple[int, type[Event], float, bytes, Event | None, Content | None]
-"""An event that the core took in: its number, its class, when it happened [s], what is written of it, and where other
-things stand before it in the file itself, and its payload."""
+Taken = tuple[int, Event, Sequence[Any], str, Content | None]
+"""An event that the core took in: its number, itself, the commands that followed, the fault, the payload."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,46 +93,46 @@ class Output:
         if isinstance(item, Head):
             self._head(item)
             return
-        number, kind, now, data, event, payload = item
+        number, event, commands, fault, payload = item
         writer = self._writer
-        self._number, self._now = number + 1, now
+        self._number, self._now = number + 1, event.now
         if writer is None or self._missing:
             self._skip(item)
             return
-        self._in_hand.events_of(number, (kind,))
-        if event is not None:
+        self._in_hand.event(number, event)
+        if payload is not None or type(event) is SpecsChanged:
             self._precede(writer, event, payload)
-        writer.all_happened((kind,), (now,), (data,))
+        writer.happened(event, commands, fault)
         if writer.pending >= TUNING.chunk:
             self.flush()
 
     def add_all(self, items: Sequence[Taken | Missing | Head]) -> None:
-        """Take in what comes next: as `add` of each, in less time."""
+        """Take in what comes next: as `add` of each, which takes twice the time."""
         if not self._add_plain(items):
             for each in items:
                 self.add(each)
 
     def _add_plain(self, items: Sequence[Any]) -> bool:
-        """Take in events that have nothing written before them; whether all are such."""
+        """Take in events that have nothing written before them, and made no fault; whether all are such."""
         writer = self._writer
         if writer is None or self._missing or set(map(type, items)) != {tuple}:
             return False
-        numbers, kinds, times, data, preceded, _ = zip(*items, strict=True)
-        if any(preceded):
+        numbers, events, followed, faults, payloads = zip(*items, strict=True)
+        if any(faults) or payloads.count(None) < len(items) or SpecsChanged in set(map(type, events)):
             return False
-        self._in_hand.events_of(numbers[0], kinds)
-        self._number, self._now = numbers[-1] + 1, times[-1]
-        writer.all_happened(kinds, times, data)
+        self._in_hand.all_events(numbers[0], events)
+        self._number, self._now = numbers[-1] + 1, events[-1].now
+        writer.all_happened(events, followed)
         if writer.pending >= TUNING.chunk:
             self.flush()
         return True
 
     def _skip(self, item: Taken) -> None:
         """Count an event that cannot be written now."""
-        number, kind, _, _, event, payload = item
+        number, event, _, _, payload = item
         if isinstance(event, SpecsChanged):
             self._specs = event.specs
-        self._missing.events_of(number, (kind,))
+        self._missing.event(number, event)
         if payload is not None:
             self._missing.payload()
         self.written = self.written.lacking(1)

@@ -4,10 +4,11 @@ msgspec writes `null` for a number that is not finite, too, and bytes in another
 than values that are None is left to `json_data`, as is a class of which that cannot be told. Needs the extra `record`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import StrEnum
 from functools import cache
+from itertools import chain
 from operator import attrgetter
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -21,7 +22,7 @@ Counting = Callable[[Any], int]
 """Says how many values in a value are None."""
 _SCALARS = (bool, int, float, str)
 _encoder = Encoder(enc_hook=dict)  # what it does not know is a read-only table
-_encode = _encoder.encode
+_encode, _encode_lines = _encoder.encode, _encoder.encode_lines
 
 
 class _UntoldError(Exception):
@@ -30,11 +31,60 @@ class _UntoldError(Exception):
 
 def line(event: Event, commands: Sequence[Any]) -> bytes | None:
     """Return an event with the commands that followed, as such or described; None where it is left to `json_data`."""
+    kind: Any = type(event)
+    if _of_class(kind) is None:
+        return None
     try:
-        made, followed = _told(event), list(map(_command, commands))
+        made: bytes = _encode(event)
+        if commands:
+            made = made[:-1] + b',"commands":[' + b",".join([_command(each) for each in commands]) + b"]}"
+        nulls = made.count(b"null")  # a text may have the word, too: then there is one more than there should be
+        if nulls and nulls != sum([_nones(each) for each in (event, *commands)]):
+            return None
     except (_UntoldError, MsgspecError, TypeError, ValueError, OverflowError):
         return None
-    return b'%b,"commands":[%b]}' % (made[:-1], b",".join(followed)) if followed else made
+    return made
+
+
+def lines(events: Sequence[Event], followed: Sequence[Sequence[Any]]) -> list[bytes] | None:
+    """Return what `line` returns of each event, in half the time; None where it returns None of any."""
+    commands = list(chain.from_iterable(followed))
+    try:
+        made, nulls = _all(events)
+        if not commands:
+            return made if nulls == _all_nones(events) else None
+        data, more = _all(commands)
+        kinds: list[Any] = list(map(type, commands))
+        heads = list(map(_head, kinds))
+        # Nothing takes a null away: so if there are as many in all as there should be, there are in each of them.
+        if nulls + more and nulls + more != _all_nones(events) + _all_nones(commands):
+            return None
+    except (_UntoldError, MsgspecError, TypeError, ValueError, OverflowError):
+        return None
+    return list(_joined(made, followed, heads, data))
+
+
+def _joined(
+    events: Sequence[bytes], followed: Sequence[Sequence[Any]], heads: Sequence[bytes], data: Sequence[bytes]
+) -> Iterator[bytes]:
+    """Yield each event with as many of the commands as followed it."""
+    at = 0
+    for event, those in zip(events, followed, strict=True):
+        if not those:
+            yield event
+        elif len(those) == 1 and heads[at] and len(data[at]) > len(b"{}"):  # as nearly always: a third of the time
+            yield b'%b,"commands":[%b%b]}' % (event[:-1], heads[at], data[at][1:])
+            at += 1
+        else:
+            end = at + len(those)
+            yield event[:-1] + b',"commands":[' + b",".join(map(_described, heads[at:end], data[at:end])) + b"]}"
+            at = end
+
+
+def _all(values: Sequence[Any]) -> tuple[list[bytes], int]:
+    """Return each value as JSON, and how often the word null is in there."""
+    text: bytes = _encode_lines(values)
+    return text.split(b"\n")[:-1], text.count(b"null")
 
 
 def told(kind: Any) -> bool:
@@ -43,9 +93,12 @@ def told(kind: Any) -> bool:
 
 
 def _command(command: Any) -> bytes:
-    """Return a command as it stands in a line: behind its head, which says its class. Raises _UntoldError."""
     kind: Any = type(command)
-    head, data = _head(kind), _told(command)
+    return _described(_head(kind), _encode(command))
+
+
+def _described(head: bytes, data: bytes) -> bytes:
+    """Return a command as it stands in a line: behind its head, which says of which class it is."""
     return head + data[1:] if head and len(data) > len(b"{}") else head[:-1] + b"}" if head else data
 
 
@@ -59,17 +112,26 @@ def _head(kind: type) -> bytes:
     return b'{"command":"%b",' % kind.__name__.encode()
 
 
-def _told(value: Any) -> bytes:
-    """Return an event or a command as JSON. Raises _UntoldError where that is not sure to be right."""
+def _all_nones(values: Sequence[Any]) -> int:
+    """Return how many None are in all of these. Raises _UntoldError."""
+    found = 0
+    kinds: set[Any] = set(map(type, values))
+    for kind in kinds:
+        count = _of_class(kind)
+        if count is None:
+            raise _UntoldError
+        if count is not _never:
+            found += sum([count(each) for each in values if type(each) is kind])
+    return found
+
+
+def _nones(value: Any) -> int:
+    """Return how many None are in an event or a command."""
     kind: Any = type(value)
     count = _of_class(kind)
     if count is None:
         raise _UntoldError
-    made: bytes = _encode(value)
-    nulls = made.count(b"null")  # a text may have the word, too: then there is one more than there should be
-    if nulls and nulls != count(value):
-        raise _UntoldError
-    return made
+    return count(value)
 
 
 @cache

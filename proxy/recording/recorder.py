@@ -10,14 +10,14 @@ from typing import Any
 from proxy import clock
 from proxy.bridge.payloads import Content
 from proxy.core.interface.commands import Command, Decide
-from proxy.core.interface.events import Event, SamplePublished, SpecsChanged
+from proxy.core.interface.events import Event, SamplePublished
 from proxy.core.interface.taker import Taker
 from proxy.recording.entries import Snapshot
 from proxy.recording.errors import RecordingError
 from proxy.recording.missing import Missing
 from proxy.recording.output import Head, Output, Taken
 from proxy.recording.tuning import TUNING
-from proxy.recording.writing import described, written
+from proxy.recording.writing import described
 
 log = logging.getLogger(__name__)
 
@@ -140,16 +140,13 @@ class Recorder:
         self._number = number + 1
         if len(items) >= TUNING.events:
             self._missing = self._missing or Missing(FULL)
-            self._missing.events_of(number, (type(event),))
+            self._missing.event(number, event)
             return
         if self._missing is not None:
             items.append(self._missing)
             self._missing = None
-        # Written down here, where all of it is at hand.
-        kind, data = type(event), written(event, commands, fault)
         payload = None if self._payload is None else self._payload_of(event)
-        preceded = event if payload is not None or kind is SpecsChanged else None
-        items.append((number, kind, event.now, data, preceded, payload))
+        items.append((number, event, commands, fault, payload))
         if len(items) == TUNING.many:
             self._wake.set()
 
@@ -192,5 +189,5 @@ class Recorder:
             items = [self._items.popleft() for _ in range(min(len(self._items), TUNING.slice))]
             self._output.add_all(items)
             if self._payload is not None:
-                self._given += sum([item[5].size for item in items if type(item) is tuple and item[5] is not None])
+                self._given += sum([item[4].size for item in items if type(item) is tuple and item[4] is not None])
             time.sleep(TUNING.pause)

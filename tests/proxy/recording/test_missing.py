@@ -3,14 +3,16 @@
 from proxy.core.interface import events as ev
 from proxy.recording.entries import Gap
 from proxy.recording.missing import Missing
+from tests.proxy.recording.lives import published
 
 
 def test_events_are_counted_by_their_class():
     """With the number of the first one."""
     missing = Missing("full")
     assert not missing
-    missing.events_of(7, [ev.SamplePublished, ev.SampleHanded])
-    missing.events_of(9, [ev.SamplePublished])
+    missing.event(7, published(1))
+    missing.event(8, ev.SampleHanded(1.0, 1))
+    missing.event(9, published(2))
     assert missing
     assert missing.gap(99) == Gap(7, 3, 2, 0, "full", {"SamplePublished": 2, "SampleHanded": 1})
 
@@ -18,7 +20,7 @@ def test_events_are_counted_by_their_class():
 def test_what_comes_next_is_added():
     """The first number and the reason stay, where there are any."""
     missing, next_one = Missing(), Missing("full")
-    next_one.events_of(5, [ev.SamplePublished])
+    next_one.event(5, published(1))
     next_one.payload()
     missing.follow(next_one)
     missing.follow(next_one)
@@ -37,5 +39,5 @@ def test_a_long_time_takes_no_memory():
     """However many are missing."""
     missing = Missing()
     for number in range(10_000):
-        missing.events_of(number, [ev.SamplePublished])
+        missing.event(number, published(number))
     assert missing.events == 10_000

@@ -12,7 +12,6 @@ from proxy.recording.entries import End, Gap, Happened, Snapshot, SpecsText, Sta
 from proxy.recording.folder import RecordingFolder
 from proxy.recording.missing import Missing
 from proxy.recording.output import Head, Output, text_of
-from proxy.recording.writing import written
 from tests.proxy.recording.lives import START, entries, published
 from tests.waiting import wait_until
 from utility_specs import Specs, load_specs
@@ -28,15 +27,9 @@ def output(tmp_path):
     return output
 
 
-def taken(number, event, payload=None):
-    """What the recorder hands on of an event."""
-    preceded = event if payload is not None or isinstance(event, ev.SpecsChanged) else None
-    return number, type(event), event.now, written(event), preceded, payload
-
-
 def add(output, numbers, payload=None):
     for number in numbers:
-        output.add(taken(number, published(number, red=1 / (number + 3)), payload))
+        output.add((number, published(number, red=1 / (number + 3)), (), "", payload))
 
 
 def files(folder):
@@ -114,7 +107,7 @@ def test_specs_that_change_are_written_before_their_event(output, tmp_path):
     """As they were read, and again at the begin of later files."""
     (tmp_path / "specs.toml").write_text(SPECS)
     specs = load_specs(tmp_path / "specs.toml")
-    output.add(taken(0, ev.SpecsChanged(1.0, specs)))
+    output.add((0, ev.SpecsChanged(1.0, specs), (), "", None))
     output.close("stopped")
     found = entries(files(tmp_path)[0])[0]
     assert found[2] == text_of(specs)
@@ -133,7 +126,7 @@ def test_payloads_stand_before_their_samples(output, tmp_path):
 def test_what_others_left_out_stands_in_a_gap(output, tmp_path):
     """Where it belongs."""
     missing = Missing("too much")
-    missing.events_of(10, [ev.SamplePublished])
+    missing.event(10, published(10))
     add(output, range(10))
     output.add(missing)
     add(output, range(11, 20))
@@ -154,7 +147,7 @@ def test_on_a_full_disk_the_recording_says_what_is_missing(output, tmp_path):
         assert output.written.problem == "File too large"
         add(output, range(200, 250), Content(1, lambda: (b"x", "")))
         other = Missing("too much")
-        other.events_of(250, [ev.SamplePublished])
+        other.event(250, published(250))
         output.add(other)
         output.flush()
         assert output.written.missing == 151
@@ -236,7 +229,7 @@ def test_a_folder_that_cannot_be_is_told(tmp_path):
     output.open()
     add(output, range(3))
     (tmp_path / "specs.toml").write_text(SPECS)
-    output.add(taken(3, ev.SpecsChanged(1.0, load_specs(tmp_path / "specs.toml"))))
+    output.add((3, ev.SpecsChanged(1.0, load_specs(tmp_path / "specs.toml")), (), "", None))
     output.close("stopped")
     assert output.written.problem == "File exists"
     assert output.written.missing == 4

@@ -12,7 +12,7 @@ from proxy.core.interface.commands import Drop, Forget, Forward, Notice, SendDig
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
 from proxy.recording.entries import EVENT_TYPES
 from proxy.recording.json_data import plain, text
-from proxy.recording.quick_json import line, told
+from proxy.recording.quick_json import line, lines, told
 from proxy.recording.writing import described
 from utility_specs import Specs
 
@@ -88,6 +88,14 @@ def test_it_is_the_same_data(event, commands):
     """The quick way writes what the other one writes, or leaves it to it."""
     made = line(event, commands)
     assert made is None or repr(json.loads(made)) == repr(json.loads(usual(event, commands)))
+
+
+@given(st.lists(st.tuples(EVENTS, COMMANDS), min_size=1, max_size=4))
+def test_many_at_once_are_what_each_is(happened):
+    """Or all are left to the one-by-one way, where one is left to the usual one."""
+    alone = [line(event, commands) for event, commands in happened]
+    together = lines([event for event, _ in happened], [commands for _, commands in happened])
+    assert together == (None if None in alone else alone)
 
 
 def test_common_ones_go_the_quick_way():
