@@ -11,7 +11,7 @@ class RecordingTuning:
     """Events that may wait to be written; more are missing: two seconds of what a daemon can take in."""
     payload_bytes: int = 4 * 1024 * 1024
     """Bytes of payloads that may wait [B]: they are held in memory meanwhile."""
-    slice: int = 128
+    slice: int = 256
     """Events that are written in one go: the loop waits for Python's lock meanwhile, for half a millisecond."""
     pause: float = 50e-6
     """Between two slices the lock is free for so long at least [s]: a thread needs 20 to 50 us to wake."""
