@@ -35,7 +35,7 @@ SERVERS = {"asyncio", "email", "html", "http", "socketserver", "ssl", "xml"}
 FOR_MISTAKES = {"difflib", "unicodedata"}
 OTHERS = {
     *("importlib.metadata", "multiprocessing", "csv", "zipfile"),
-    *("proxy.metrics.server", "proxy.metrics.collector", "proxy.recording.recorder", "proxy.status"),
+    *("proxy.metrics.server", "proxy.metrics.exposition", "proxy.recording.recorder", "proxy.status"),
     *("proxy.commands.status", "proxy.commands.client", "proxy.top", "proxy.decisions_text", "proxy.quantities"),
 }
 """Parts of what else only other commands need, and what a daemon does not do that is not asked to."""
