@@ -21,7 +21,7 @@ class RecordingTuning:
     many: int = 1024
     """So many events are not left waiting until then: at 300 B each."""
     young: int = 10_000
-    """So many objects are made until Python looks for garbage among them, as events that wait are none: with its own 700
+    """So many objects are made until Python looks for garbage among them, as what waits is none: with its own 700
     it looked two to three times a second, for 0.5 to 1.5 % of what a daemon takes that has 200 samples a second."""
     retry: float = 1.0
     """Where nothing can be written it is tried again after this time [s], then after twice that, and so on..."""
