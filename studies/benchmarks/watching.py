@@ -91,7 +91,7 @@ CASES = (
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """What two teams took in two turns [s]: in the first one the one was watched, in the second one the other."""
+    """What part of a core two teams took in two turns: in the first one the one was watched, in the second the other."""
 
     first: tuple[float, float]
     second: tuple[float, float]
@@ -104,7 +104,7 @@ class Round:
 
     @property
     def alone(self) -> float:
-        """What a team took in a turn in which nobody watched it [s]."""
+        """What a team took in a turn in which nobody watched it."""
         return (self.first[1] + self.second[0]) / 2
 
 
@@ -126,32 +126,32 @@ class Flown:
     def alone(self) -> float:
         """What a robot's daemon takes of a core when nobody watches it."""
         turns = [each.alone for those in self.rounds.values() for each in those]
-        return fmean(turns) / TURN / self.robots
+        return fmean(turns) / self.robots
 
 
 def measure_watching(*, quick: bool) -> list[Table]:
     """Fly all cases at once, for seven minutes; `quick` takes one, and tells of everything together only."""
-    plan = (ALL, ALL) if quick else (ALL, *WATCHES) * 3
-    return tables(fly(CASES, plan), json_line())
+    flown = fly(CASES, (ALL, ALL), TURN / 2) if quick else fly(CASES, (ALL, *WATCHES) * 3)
+    return tables(flown, json_line())
 
 
-def fly(cases: Sequence[Case], plan: Sequence[Watch]) -> dict[Case, Flown]:
-    """Fly two teams of each case at once, with a round of each watch of the plan.
+def fly(cases: Sequence[Case], plan: Sequence[Watch], seconds: float = TURN) -> dict[Case, Flown]:
+    """Fly two teams of each case at once, with a round of each watch of the plan, its turns so long [s].
 
     Before these comes a round of `ALL`, in which all that is needed is loaded: of it memory is told, and not the time.
     Before that one team of each flies for as long with nothing of it on board.
     """
-    two = 2 * (SWITCH + TURN)
+    two = 2 * (SWITCH + seconds)
     with started(cases, two, 1, watchable=False) as (teams, start):
         wait_until(start + SETTLING + two)
         bare = [team.memory() for (team,) in teams]
     rounds: list[dict[Watch, list[Round]]] = [{} for _ in cases]
     with started(cases, two * (1 + len(plan)), 2, watchable=True) as (teams, start):
         wait_until(start + SETTLING)
-        fly_round(teams, ALL)
+        fly_round(teams, ALL, seconds)
         full = [watched.memory() for _, watched in teams]
         for watch in plan:
-            for found, flown in zip(rounds, fly_round(teams, watch), strict=True):
+            for found, flown in zip(rounds, fly_round(teams, watch, seconds), strict=True):
                 found.setdefault(watch, []).append(flown)
         lines = [fmean(team.lines() for team in both) / (time.monotonic() - start) for both in teams]
     more = [(its[0] - without[0], its[1] - without[1]) for its, without in zip(full, bare, strict=True)]
@@ -178,23 +178,24 @@ def started(
         yield teams, start
 
 
-def fly_round(teams: Sequence[Sequence["Team"]], watch: Watch) -> list[Round]:
+def fly_round(teams: Sequence[Sequence["Team"]], watch: Watch, seconds: float) -> list[Round]:
     """Watch both teams for a turn each; return what they take in each case."""
-    first, second = turn(teams, watch, 0), turn(teams, watch, 1)
+    first, second = turn(teams, watch, 0, seconds), turn(teams, watch, 1, seconds)
     return [Round(one, other) for one, other in zip(first, second, strict=True)]
 
 
-def turn(teams: Sequence[Sequence["Team"]], watch: Watch, watched: int) -> list[tuple[float, float]]:
-    """Watch one team of two for a turn; return what both take of the processor in each case [s]."""
+def turn(teams: Sequence[Sequence["Team"]], watch: Watch, watched: int, seconds: float) -> list[tuple[float, float]]:
+    """Watch one team of two for a turn; return what part of a core both take in each case."""
     for both in teams:
         both[1 - watched].watch(NOBODY)
         both[watched].watch(watch)
     began = time.monotonic() + SWITCH
     wait_until(began)
     before = [[team.processor_time() for team in both] for both in teams]
-    wait_until(began + TURN)
+    wait_until(began + seconds)
     after = [[team.processor_time() for team in both] for both in teams]
-    return [(now[0] - then[0], now[1] - then[1]) for then, now in zip(before, after, strict=True)]
+    taken = zip(before, after, strict=True)
+    return [((now[0] - then[0]) / seconds, (now[1] - then[1]) / seconds) for then, now in taken]
 
 
 class Team:
