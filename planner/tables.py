@@ -11,18 +11,8 @@ from typing import TYPE_CHECKING, Protocol
 from planner import _native
 from planner.native_tables import NativeTables
 from planner.problem import Aggregation, Constraint, Message, Problem, Receiver, Stream, Traffic
-from planner.utility import (
-    Custom,
-    Exponential,
-    Floats,
-    Ints,
-    Linear,
-    Polynomial,
-    Power,
-    Step,
-    Table,
-    Video,
-)
+from planner.utility import STANDARD as UTILITIES
+from planner.utility import Floats, Ints
 
 if TYPE_CHECKING:
     from planner.beyond import Beyond
@@ -36,7 +26,7 @@ STANDARD = (
     Receiver,
     Constraint,
     tuple(Aggregation),
-    (Linear, Video, Exponential, Step, Polynomial, Power, Table, Custom),
+    UTILITIES,
 )
 """The kinds that are tabulated in C++, in the order of its enumerations."""
 

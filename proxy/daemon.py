@@ -165,7 +165,7 @@ class Daemon:
         self.robot = opened.naming.name()
         self._loop = self._make_loop(sides)
         self._planning = self._make_planning()
-        extractor = Extractor(self._loop.post_at, self._live.match, self._loop.lead)
+        extractor = Extractor(self._loop.post_at, self._live.match, self._loop.lead, self._loop.bring)
         self._neighbours = neighbours = Neighbours(sides.app, self.robot, str(sides.mesh.zid()), sides.wake.set)
         opening.callback(neighbours.close)
         hold_back = HoldBack(self._loop.core.view.origins.tag_of)
@@ -177,7 +177,6 @@ class Daemon:
         opening.callback(self.recording.close, TUNING.stop_wait)  # after the loop
         if config.record.on:
             self.recording.start(payloads=config.record.payloads, whole=True)
-        self._planning.start()
         self._loop.start()
         for close in (self._planning.close, extractor.close, self._loop.close):
             opening.callback(close, TUNING.stop_wait)

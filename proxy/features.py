@@ -43,9 +43,9 @@ class Extractor:
     """Posts each sample with what its type extracts, in order of arrival, or a newer one of its key in its place.
 
     `post_at` runs a job on the loop's thread, not before a time. `lead` has the core take in a sample at once, if that
-    only has to be sent on and nothing waits before it; it returns whether it did. `match` finds the type that covers a
-    key by the specs in force, which change on that thread only: the core gets no features of others. What waits is
-    bounded by what ingress holds.
+    only has to be sent on and nothing waits before it, and `bring` does a job on this thread, if nothing waits; both
+    return whether they did. `match` finds the type that covers a key by the specs in force, which change only while
+    nobody else uses the core: it gets no features of others. What waits is bounded by what ingress holds.
     """
 
     def __init__(
@@ -53,9 +53,11 @@ class Extractor:
         post_at: Callable[[float, Callable[[], SamplePublished | SampleReread]], None],
         match: Callable[[str], InformationType | None],
         lead: Callable[[SamplePublished], bool] = lambda _: False,
+        bring: Callable[[Callable[[], SamplePublished | SampleReread]], bool] = lambda _: False,
     ) -> None:
         self._post_at = post_at
         self._lead = lead
+        self._bring = bring
         self._match = match
         self._jobs: deque[_Place] = deque()
         self._places: dict[str, _Place] = {}
@@ -161,7 +163,9 @@ class Extractor:
                     return
                 place = self._jobs.popleft()
             event = self._taken(place)
-            self._post_at(event.now, partial(self._current, place, event))
+            job = partial(self._current, place, event)
+            if not self._bring(job):
+                self._post_at(event.now, job)
 
     def _taken(self, place: _Place) -> SamplePublished | SampleReread:
         """Close the place, and return the sample that is in it with its features."""

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from planner.utility import integral
 from proxy.quantities import UNKNOWN, Status, columns, duration, number, schedule
 from utility_specs.competing import Competitor, ranked, rules
-from utility_specs.lifetimes import integral
 from utility_specs.specs import Specs
 from utility_specs.suggestions import quoted
 

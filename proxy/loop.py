@@ -1,7 +1,8 @@
 """The one thread on which the core runs: events in, commands out, time passing.
 
 Whoever brings a sample that only has to be sent on does that himself, if nothing else waits for the core: to wake this
-thread for it would take longer. Meanwhile he holds the *lease* of the core, which this thread has whenever it works.
+thread for it would take longer. Who has extracted features from it sees to it whatever it needs, a search included.
+Meanwhile he holds the *lease* of the core, which this thread has whenever it works.
 """
 
 import itertools
@@ -78,7 +79,7 @@ class Loop:
         """Whether they are looked for soon."""
         self._core_notes = False
         """Whether there is nothing for which it needs to know of such events at once."""
-        self._following: deque[Item | _Timed | None] = deque()
+        self._following: deque[Item] = deque()
         """What follows from what is done now."""
         self._timed: list[_Timed] = []
         self._numbers = itertools.count()
@@ -194,6 +195,34 @@ class Loop:
             self._ring()
         return True
 
+    def bring(self, item: Item) -> bool:
+        """Do an item on this thread, and what follows from it, if nothing waits for the core; return whether it did.
+
+        For who has time: a search may follow. From any thread but the loop's; never blocks.
+        """
+        if not self._lease.acquire(blocking=False):
+            return False
+        try:
+            if self._ended or self._waits(clock.monotonic()):
+                return False
+            self._user, todo = threading.get_ident(), item
+            while True:
+                self._wake_at = self._digest(todo)
+                if not self._following or self._items or self._orders:
+                    break
+                todo = self._following.popleft()
+            due = bool(self._following) or self._due_sooner()
+        finally:
+            self._user = 0
+            self._lease.release()
+        if due:
+            self._ring()
+        return True
+
+    def _due_sooner(self) -> bool:
+        """Whether something is due before the loop's thread wakes."""
+        return self._wake_at < self._until or bool(self._timed and self._timed[0][0] < self._until)
+
     def _waits(self, now: float) -> bool:
         """Whether anything is to be done before a sample that came now."""
         if self._items or self._orders or self._noted or self._following:
@@ -222,7 +251,7 @@ class Loop:
         self._wake_at = clock.monotonic()
         while self._work():
             self._awake = False
-            if not (self._items or self._orders or self._following or self._wake_at < self._until):
+            if not (self._items or self._orders or self._following or self._due_sooner()):
                 with suppress(Empty):
                     self._bell.get(timeout=max(self._until - clock.monotonic(), 0.0))
             self._awake = True

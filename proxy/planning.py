@@ -1,13 +1,18 @@
-"""Every decision by its deadline: searches on their threads, and word to the core where there is no answer in time."""
+"""Every decision by its deadline, and word to the core where there is no answer in time.
+
+Nearly all searches take less time than it takes to wake another thread. So each begins on the thread that uses the
+core, and only what lasts goes on elsewhere, as does what an operator's own models take part in, which may last forever.
+"""
 
 from functools import partial
 
-from planner import SearchSettings
+from planner import Aggregation, Custom, Problem, SearchSettings
 from proxy import clock
 from proxy.core.interface.commands import Decide
 from proxy.core.interface.events import DecisionLate, DecisionReady, Event
 from proxy.loop import Loop
-from proxy.worker import Worker
+from proxy.tuning import TUNING
+from proxy.worker import Decision, Worker
 
 
 class Planning:
@@ -17,15 +22,10 @@ class Planning:
         self.settings = settings
         self._deadline = deadline
         self._loop = loop
-        self._samples = Worker(settings, deadline, lambda answer: loop.post(partial(self._ready, answer)))
-        self._ahead = Worker(settings, deadline, loop.post)
+        self._samples = Worker(deadline, self._post)
+        self._ahead = Worker(deadline, loop.post)
         self._told = -1
         """The ticket of the last decision of which the core knows the answer, or that there is none in time."""
-
-    def start(self) -> None:
-        """Start answering."""
-        self._samples.start()
-        self._ahead.start()
 
     def close(self, timeout: float) -> None:
         """Stop after the decisions in hand; wait for them at most `timeout` [s]."""
@@ -36,22 +36,31 @@ class Planning:
     def decide(self, command: Decide) -> None:
         """Have it decided; a sample waits until its deadline, and not at all behind a search that is overdue.
 
-        On the loop's thread only.
+        By the thread that uses the core only.
         """
+        decision = Decision(command, self.settings, self._deadline)
         if command.ahead:
-            self._ahead.submit(command)
+            self._ahead.submit(decision)
             return
-        overdue = self._samples.busy(clock.monotonic())
-        self._samples.submit(command)
-        self._loop.at(command.asked + (0.0 if overdue else self._deadline), partial(self._due, command.ticket))
+        now = clock.monotonic()
+        if not _may_last(command.problem) and (answer := decision.work(now + TUNING.decided_at_once)) is not None:
+            self._post(answer)
+            return
+        overdue = self._samples.busy(now)
+        self._samples.submit(decision)
+        self._loop.at(command.asked + (0.0 if overdue else self._deadline), partial(self._due, decision))
+
+    def _post(self, answer: DecisionReady) -> None:
+        self._loop.post(partial(self._ready, answer))
 
     def _ready(self, answer: DecisionReady) -> Event | None:
-        """Pass an answer on; after the deadline nobody waits for it. On the loop's thread."""
+        """Pass an answer on; after the deadline nobody waits for it. By the thread that uses the core."""
         return self._tell(answer) if answer.ticket > self._told else None
 
-    def _due(self, ticket: int) -> Event | None:
+    def _due(self, decision: Decision) -> Event | None:
         """It is time for the answer: let the core know of it, or that there is none, unless it does already."""
-        return self._tell(self._samples.due(ticket)) if ticket > self._told else None
+        ticket = decision.command.ticket
+        return self._tell(decision.answer or DecisionLate(clock.monotonic(), ticket)) if ticket > self._told else None
 
     def _tell(self, event: DecisionReady | DecisionLate) -> Event:
         self._told = event.ticket
@@ -60,3 +69,9 @@ class Planning:
     def stuck(self, now: float) -> bool:
         """Whether a search does not come to its end."""
         return self._samples.stuck(now) or self._ahead.stuck(now)
+
+
+def _may_last(problem: Problem) -> bool:
+    """Whether an operator's own models take part."""
+    own = any(not isinstance(stream.aggregation, Aggregation) for stream in problem.streams)
+    return own or any(isinstance(message.utility, Custom) for message in problem.messages)

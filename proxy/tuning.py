@@ -32,6 +32,8 @@ class DaemonTuning:
     # Decisions
     iterations: int = 25
     """Iterations between two looks at the clock, at most: in large windows they take long, so it begins with fewer."""
+    decided_at_once: float = 0.002
+    """A search that lasts longer, as few do, goes on on a thread of its own [s]."""
     search_part: float = 0.8
     """A search ends after this part of the deadline: the rest is for the plan, and for the way back to the core."""
     stuck_after: float = 2.0

@@ -1,4 +1,4 @@
-"""Searches on a thread of its own, under the clock that the core does not have."""
+"""Decisions under the clock that the core does not have, and a thread for those that take long."""
 
 import math
 import threading
@@ -6,62 +6,87 @@ from collections.abc import Callable
 from dataclasses import replace
 from queue import Empty, SimpleQueue
 
-from planner import SearchSettings, start
+from planner import Search, SearchSettings, start
 from proxy import clock
 from proxy.core.interface.commands import Decide
-from proxy.core.interface.events import DecisionLate, DecisionReady
+from proxy.core.interface.events import DecisionReady
 from proxy.tuning import TUNING
 
 
-def decide(command: Decide, settings: SearchSettings, deadline: float) -> DecisionReady:
-    """Search until the iterations are done, the decision is certain, or most of the `deadline` [s] has passed.
+class Decision:
+    """One decision in the making, on one thread at a time.
 
-    It counts from when the decision was asked for. One iteration runs in any case: without it nothing is decided.
+    It ends when the iterations are done, the answer is certain, or most of the `deadline` [s] has passed, which counts
+    from when the decision was asked for. One iteration runs in any case: without it nothing is decided.
     """
-    until = command.asked + TUNING.search_part * deadline
-    try:
-        search = start(command.problem, settings, command.seed)
+
+    def __init__(self, command: Decide, settings: SearchSettings, deadline: float) -> None:
+        self.command = command
+        self.answer: DecisionReady | None = None
+        """What was found, once it is made."""
+        self._settings = settings
+        self._until = command.asked + TUNING.search_part * deadline
+        self._search: Search | None = None
+        self._searched = 0.0
+        """How long it has searched [s]."""
+
+    def work(self, until: float = math.inf) -> DecisionReady | None:
+        """Search until the decision ends, and return the answer; None where it does not by `until` [s]."""
+        try:
+            search = self._search = self._search or self._started()
+            if self._ends(search, until):
+                self.answer = self._made(search)
+        except Exception as error:  # noqa: BLE001 - whatever fails in there, the core must learn of it and fall back
+            text = f"{type(error).__name__}: {error}"
+            self.answer = DecisionReady(clock.monotonic(), self.command.ticket, None, text)
+        return self.answer
+
+    def _started(self) -> Search:
+        command = self.command
+        search = start(command.problem, self._settings, command.seed)
         search.run(min(1, command.iterations))
+        return search
+
+    def _ends(self, search: Search, until: float) -> bool:
+        """Search until the decision ends or so long [s]; whether it ends."""
+        most, until = self.command.iterations, min(until, self._until)
         began = now = clock.monotonic()
-        while not search.done and search.iterations < command.iterations and now < until:
-            search.run(min(TUNING.iterations, search.iterations, command.iterations - search.iterations))
+        while not search.done and search.iterations < most and now < until:
+            search.run(min(TUNING.iterations, search.iterations, most - search.iterations))
             now = clock.monotonic()
-        searched, plan, now = now - began, search.plan(), clock.monotonic()
+        self._searched += now - began
+        return search.done or search.iterations >= most or now >= self._until
+
+    def _made(self, search: Search) -> DecisionReady:
+        """Return the best plan found so far."""
+        command = self.command
+        plan, now = search.plan(), clock.monotonic()
         took, cut = now - command.asked, not search.done and search.iterations < command.iterations
-        return DecisionReady(now, command.ticket, replace(plan, seconds=took), overhead=took - searched, cut=cut)
-    except Exception as error:  # noqa: BLE001 - whatever fails in there, the core must learn of it and fall back
-        return DecisionReady(clock.monotonic(), command.ticket, None, f"{type(error).__name__}: {error}")
+        plan = replace(plan, seconds=took)
+        return DecisionReady(now, command.ticket, plan, overhead=took - self._searched, cut=cut)
 
 
 class Worker:
-    """Answers each `Decide` unless a newer one came before its turn: the core does not wait for an older one then."""
+    """Goes on with each decision unless a newer one came before its turn: the core does not wait for an older one."""
 
-    def __init__(self, settings: SearchSettings, deadline: float, post: Callable[[DecisionReady], None]) -> None:
-        self._settings = settings
+    def __init__(self, deadline: float, post: Callable[[DecisionReady], None]) -> None:
         self._deadline = deadline
         self._post = post
-        self._orders: SimpleQueue[Decide | None] = SimpleQueue()
+        self._orders: SimpleQueue[Decision | None] = SimpleQueue()
         self._began = math.inf
-        self._answer: DecisionReady | None = None
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
-
-    def start(self) -> None:
-        """Start answering."""
-        self._thread.start()
 
     def close(self, timeout: float) -> None:
         """Stop after the decision in hand; wait for it at most `timeout` [s]."""
         self._orders.put(None)
-        self._thread.join(timeout)
+        if self._thread.ident is not None:
+            self._thread.join(timeout)
 
-    def submit(self, command: Decide) -> None:
-        """Answer `command` when its turn comes."""
-        self._orders.put(command)
-
-    def due(self, ticket: int) -> DecisionReady | DecisionLate:
-        """Return the answer to this decision, which may still be on its way, or that there is none by its deadline."""
-        answer = self._answer
-        return answer if answer is not None and answer.ticket == ticket else DecisionLate(clock.monotonic(), ticket)
+    def submit(self, decision: Decision) -> None:
+        """Go on with `decision` when its turn comes, and post its answer. From one thread at a time."""
+        self._orders.put(decision)
+        if self._thread.ident is None:  # few daemons need it
+            self._thread.start()
 
     def busy(self, now: float) -> bool:
         """Whether the decision in hand is overdue: nothing that is submitted now will be answered soon."""
@@ -72,13 +97,13 @@ class Worker:
         return now > self._began + self._deadline + TUNING.stuck_after
 
     def _run(self) -> None:
-        while (command := self._newest()) is not None:
-            self._began = command.asked
-            self._answer = decide(command, self._settings, self._deadline)
-            self._post(self._answer)
+        while (decision := self._newest()) is not None:
+            self._began = decision.command.asked
+            if (answer := decision.work()) is not None:
+                self._post(answer)
             self._began = math.inf
 
-    def _newest(self) -> Decide | None:
+    def _newest(self) -> Decision | None:
         """Wait for an order; return the last one of those that wait."""
         order = self._orders.get()
         while order is not None:

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from planner.utility import integral
 from utility_specs.errors import ExpressionError
 from utility_specs.explaining import Explanation
-from utility_specs.lifetimes import integral
 from utility_specs.loader import SpecSet
 from utility_specs.specs import InformationType
 

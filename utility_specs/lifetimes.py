@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any, Self, cast
 
-from planner.utility import Floats, Ints, MessageUtility, Power
+from planner.utility import Floats, Ints, MessageUtility, Power, integral
 
 LONGEST = 86_400.0
 """What has a value at this age [s] is said to last for ever."""
@@ -64,13 +64,6 @@ class Lifetime:
         if self.end is not None:
             return 1.05 * self.end or 1.0
         return 60.0 if self.half_life is None else max(1.0, 10.0 * self.half_life)
-
-
-def integral(utility: MessageUtility, until: float) -> float:
-    """Return what a message is worth up to an age [s] to one who has it from the start [1]."""
-    import numpy as np
-
-    return float(utility.integral(np.zeros(1), np.full(1, until))[0])
 
 
 def initial(utility: MessageUtility) -> float:

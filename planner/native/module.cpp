@@ -153,6 +153,12 @@ std::optional<Tabulated> tabulated(nb::handle problem, const nb::tuple& kinds, b
     return window.valid() ? tabulate(window, beyond) : std::nullopt;
 }
 
+std::optional<double> integral(nb::handle utility, const nb::tuple& kinds, double until) {
+    const std::optional<Utility> read = Reader::utility_of(utility.ptr(), kinds);
+    if (!read) return std::nullopt;
+    return Integral(*read, 0.0).to(until);
+}
+
 ReductionKind reduction_of(const std::string& name) {
     if (name == "paper") return ReductionKind::paper;
     return name == "exact" ? ReductionKind::exact : ReductionKind::off;
@@ -203,6 +209,8 @@ NB_MODULE(_native, m) {
         .def("charged", &Tabulated::charged)
         .def("worth", &Tabulated::worth, "sends"_a)
         .def("overfilled", &Tabulated::overfilled, "sends"_a);
+    m.def("integral", &integral, "utility"_a, "kinds"_a, "until"_a,
+          "What a message is worth up to an age [s]; None for a utility of another kind.");
     m.def("tabulate", &tabulated, "problem"_a, "kinds"_a, "beyond"_a,
           "Tabulate a valid problem of standard kinds; None for any other.");
     nb::class_<PaperSearch>(m, "PaperSearch", "The paper's search: see planner/python_engine/paper.py.")

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -44,6 +45,23 @@ class Reader {
         return all(messages.ptr(), message) && all(traffic.ptr(), other) &&
                whole(problem.attr("current").ptr(), window.current) && number(problem, "t_start", window.t_start) &&
                number(problem, "t_end", window.t_end) && flag(problem.attr("goes_on").ptr(), window.goes_on);
+    }
+
+    // One utility, which must live as long as what is read of it; `kinds` are those of UtilityKind.
+    static std::optional<Utility> utility_of(PyObject* object, const nanobind::tuple& kinds) {
+        std::int8_t at = 0;
+        for (const nanobind::handle kind : kinds) {
+            if (reinterpret_cast<PyObject*>(Py_TYPE(object)) == kind.ptr()) break;  // another class may differ
+            ++at;
+        }
+        if (static_cast<std::size_t>(at) == kinds.size()) return std::nullopt;
+        std::array<double, 3> parameters{};
+        for (std::size_t name = 0; name < parameters.size() && kParameters[at][name] != nullptr; ++name) {
+            if (!number(nanobind::handle(object), kParameters[at][name], parameters[name])) return std::nullopt;
+        }
+        Utility utility(static_cast<UtilityKind>(at), parameters[0], parameters[1], parameters[2]);
+        if (utility.kind == UtilityKind::table || utility.kind == UtilityKind::custom) read_points(object, utility);
+        return utility;
     }
 
   private:
@@ -182,19 +200,9 @@ class Reader {
         const auto [known, unseen] = seen_.try_emplace(object, static_cast<std::int32_t>(window.utility.size()));
         place = known->second;
         if (!unseen) return true;
-        std::int8_t at = 0;
-        for (const nanobind::handle kind : utilities_) {
-            if (reinterpret_cast<PyObject*>(Py_TYPE(object)) == kind.ptr()) break;  // another class may differ
-            ++at;
-        }
-        if (static_cast<std::size_t>(at) == utilities_.size()) return false;
-        std::array<double, 3> parameters{};
-        for (std::size_t name = 0; name < parameters.size() && kParameters[at][name] != nullptr; ++name) {
-            if (!number(nanobind::handle(object), kParameters[at][name], parameters[name])) return false;
-        }
-        Utility utility(static_cast<UtilityKind>(at), parameters[0], parameters[1], parameters[2]);
-        if (utility.kind == UtilityKind::table || utility.kind == UtilityKind::custom) read_points(object, utility);
-        window.utility.push_back(utility);
+        const std::optional<Utility> utility = utility_of(object, utilities_);
+        if (!utility) return false;
+        window.utility.push_back(*utility);
         return true;
     }
 

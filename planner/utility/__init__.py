@@ -3,6 +3,7 @@
 from planner.utility.base import Batched, Flags, Floats, Ints, MessageUtility
 from planner.utility.custom import Custom
 from planner.utility.exponential import Exponential
+from planner.utility.integral import STANDARD, integral
 from planner.utility.linear import Linear
 from planner.utility.polynomial import Polynomial
 from planner.utility.power import Power
@@ -11,6 +12,7 @@ from planner.utility.table import Table
 from planner.utility.video import Video
 
 __all__ = [
+    "STANDARD",
     "Batched",
     "Custom",
     "Exponential",
@@ -24,4 +26,5 @@ __all__ = [
     "Step",
     "Table",
     "Video",
+    "integral",
 ]

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from planner import Plan
+from planner.utility import integral
 from proxy.core.market.standing import Weighed
 from proxy.core.model.waiting import Waiting
 from proxy.core.parts import Parts
 from proxy.core.samples.decision_log import Entry, Rival, Searched
 from proxy.core.samples.decisions import is_proven
 from proxy.core.view.stream import Stream
-from utility_specs.lifetimes import integral
 
 
 def stream_decisions(core: Parts, now: float, key: str, last: int, after: int) -> dict[str, Any]:

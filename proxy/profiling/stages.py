@@ -34,12 +34,17 @@ _REST = {"proxy.core": CORE, "proxy.loop": CORE, "proxy.execution": CORE, "proxy
 
 
 def stage_of(modules: Iterable[str]) -> str:
-    """Return the stage of a stack of modules, the innermost first: that of the innermost which has one."""
+    """Return the stage of a stack of modules, the innermost first: that of the innermost which has one.
+
+    Beyond the loop it does not matter who had it work.
+    """
     rest = OTHER
     for module in modules:
         stage = _of(module, _STAGES)
         if stage is not None:
             return stage
+        if module == "proxy.loop" and rest != OTHER:
+            return rest
         if rest == OTHER:
             rest = _of(module, _REST) or OTHER
     return rest

@@ -269,6 +269,29 @@ def test_what_has_no_features_goes_at_once_where_the_core_takes_it(led, loop):
     assert (taken, loop.posted[-1].sample) == ([1], 5)
 
 
+def test_who_extracts_features_brings_the_sample_to_the_core_where_nothing_waits(loop):
+    """Where something does it is posted behind that."""
+    brought, taking = [], threading.Event()
+    taking.set()
+
+    def bring(job):
+        if taking.is_set():
+            brought.append((job(), threading.current_thread().name))
+        return taking.is_set()
+
+    with ExitStack() as stack:
+        extractor = Extractor(loop.post_at, lambda _: loop.covering, bring=bring)
+        stack.callback(extractor.close, 1.0)
+        covering = loop.covering = Type()
+        extractor.submit(sample(1), covering, payload(1))
+        wait_until(lambda: brought, what="the first sample")
+        taking.clear()
+        extractor.submit(sample(2), covering, payload(2))
+        wait_until(lambda: loop.posted, what="the second one")
+    assert [(event.sample, name) for event, name in brought] == [(1, "features")]
+    assert [event.sample for event in loop.posted] == [2]
+
+
 def test_what_has_features_is_extracted_first(led, loop):
     """It does not go at once, whatever the core would take."""
     extractor, taken, _ = led

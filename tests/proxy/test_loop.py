@@ -311,3 +311,57 @@ def test_a_core_that_chokes_on_a_sample_is_counted(led, passing, monkeypatch, ca
     assert led.faults == 1
     assert "the core cannot handle SamplePublished" in caplog.text
     led.ask(lambda: None, 20.0)
+
+
+def test_who_brings_a_sample_sees_to_all_that_follows(led, passing):
+    """What its decision asks for is done by the same thread, one after the other."""
+    here = threading.current_thread().name
+    ran = []
+
+    def job():
+        led.post(lambda: ran.append(threading.current_thread().name))
+        return sample(2, "c")
+
+    wait_until(lambda: led.bring(job), what="the lease of the core")
+    assert passing.taken == [("handled", 2, here)]
+    assert ran == [here]
+
+
+def test_nothing_that_is_brought_overtakes_what_waits(led, passing):
+    """While the loop's thread is in the core, or anything waits for it, nobody else is."""
+    wait_until(lambda: led.bring(sample(1)), what="the lease of the core")
+    passing.held.clear()
+    led.post(sample(2))
+    assert not led.bring(sample(3))
+    passing.held.set()
+    wait_until(lambda: len(passing.taken) > 1 and led.bring(sample(4)), what="the lease of the core again")
+    assert [number for _, number, _ in passing.taken if number > 0] == [1, 2, 4]
+    led.close(5.0)
+    assert not led.bring(sample(5))
+
+
+def test_who_brings_a_sample_leaves_the_rest_to_the_loop_when_others_wait(led):
+    """However much follows, he is soon back: what came meanwhile has the loop's thread go on."""
+    ran, turns = [], iter(range(3))
+
+    def follow():
+        ran.append(threading.current_thread().name)
+        if next(turns, None) is not None:
+            led.post(follow)
+
+    def first():
+        led.order(lambda: ran.append("order"))
+        led.post(follow)
+
+    wait_until(lambda: led.bring(first), what="the lease of the core")
+    wait_until(lambda: len(ran) == 5, what="all that follows")
+    assert ran == ["order", *4 * ["loop"]]
+
+
+def test_what_is_due_sooner_by_what_was_brought_wakes_the_loop(led, monkeypatch):
+    """Its thread slept until something much later."""
+    ran = threading.Event()
+    monkeypatch.setattr(led.core, "wake_at", lambda now: now + 3600.0)
+    led.ask(lambda: None, 20.0)
+    wait_until(lambda: led.bring(lambda: led.at(clock.monotonic() + 0.05, ran.set)), what="the lease of the core")
+    assert ran.wait(20.0)

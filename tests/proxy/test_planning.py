@@ -1,6 +1,7 @@
 """Decisions by their deadline, on a loop with its core."""
 
 from contextlib import ExitStack
+from dataclasses import replace
 
 import pytest
 
@@ -13,6 +14,7 @@ from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import State
 from proxy.loop import Loop
 from proxy.planning import Planning
+from proxy.tuning import TUNING
 from tests.planner.windows import window
 from tests.utility_specs.models import Slow
 from tests.waiting import wait_until
@@ -42,8 +44,8 @@ class Driven:
         self.done, self.samples = [], 0
         self.loop = Loop(Core(settings, load_specs(path), clock.monotonic()), self._execute)
         self.planning = Planning(SearchSettings(), deadline, self.loop)
+        self.loop.start()
         for part in (self.planning, self.loop):
-            part.start()
             stack.callback(part.close, 1.0)
         stack.callback(Slow.may.set)
         now = clock.monotonic()
@@ -82,7 +84,8 @@ def test_decisions_in_time_are_the_planners(drive):
 
 
 def test_the_core_hears_of_each_decision_once(drive, monkeypatch):
-    """When its deadline comes the core need not hear again of an answer that it has."""
+    """When its deadline comes the core need not hear again of an answer that it has from another thread."""
+    monkeypatch.setattr("proxy.planning.TUNING", replace(TUNING, decided_at_once=-1.0))
     driven = drive('"sum"', 0.5)
     handled, handle = [], driven.loop.handle
     monkeypatch.setattr(driven.loop, "handle", lambda event: handled.append(event) or handle(event))
@@ -92,6 +95,27 @@ def test_the_core_hears_of_each_decision_once(drive, monkeypatch):
     wait_until(lambda: not driven.loop._timed, what="the end of their deadlines")
     answers = [event.ticket for event in handled if isinstance(event, ev.DecisionReady | ev.DecisionLate)]
     assert len(answers) == len(set(answers)) == 3
+
+
+def test_a_search_needs_no_other_thread(drive, monkeypatch):
+    """Nor does anybody wait for its deadline."""
+    driven = drive('"sum"', 20.0)
+    monkeypatch.setattr(driven.planning._samples, "submit", lambda _: pytest.fail("another thread was woken"))
+    for _ in range(3):
+        driven.publish()
+    wait_until(lambda: len(driven.done) == 3, what="three decisions")
+    assert driven.decisions()["made"] == 3
+    assert not driven.loop._timed
+
+
+def test_a_search_that_lasts_goes_on_beside_the_loop(drive, monkeypatch):
+    """The loop goes on meanwhile, and the answer is the planner's."""
+    monkeypatch.setattr("proxy.planning.TUNING", replace(TUNING, decided_at_once=-1.0))
+    driven = drive('"sum"', 20.0)
+    for _ in range(3):
+        driven.publish()
+    wait_until(lambda: len(driven.done) == 3, what="three decisions")
+    assert (driven.decisions()["made"], driven.decisions()["late"]) == (3, 0)
 
 
 def test_a_search_that_does_not_end_holds_nothing_up(drive):
@@ -110,15 +134,19 @@ def test_a_search_that_does_not_end_holds_nothing_up(drive):
     assert len(driven.done) == 5
 
 
-def test_what_others_should_send_keeps_no_sample_waiting(drive):
+def test_what_others_should_send_keeps_no_sample_waiting(drive, monkeypatch):
     """Nor do samples keep that waiting: it is worked out beside the decisions on them."""
     driven = drive(SLOW, 20.0)
     Slow.may.clear()
     driven.publish()
     wait_until(lambda: driven.planning.stuck(clock.monotonic() + 60.0), what="the search to begin")
+    handled, handle = [], driven.loop.handle
+    monkeypatch.setattr(driven.loop, "handle", lambda event: handled.append(event) or handle(event))
     ahead = Decide(99, window(1), 1, 10, clock.monotonic(), ahead=True)
     driven.loop.ask(lambda: driven.planning.decide(ahead), 10.0)
-    wait_until(lambda: isinstance(driven.planning._ahead.due(99), ev.DecisionReady), what="the plan for others")
+    wait_until(
+        lambda: [e.ticket for e in handled if isinstance(e, ev.DecisionReady)] == [99], what="what others should"
+    )
     assert driven.done == []
     Slow.may.set()
     wait_until(lambda: driven.done, what="the decision")

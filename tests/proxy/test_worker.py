@@ -9,11 +9,20 @@ import pytest
 from planner import Aggregation, Constraint, Message, Problem, SearchSettings, Stream, Video
 from proxy import clock
 from proxy.core.interface.commands import Decide
-from proxy.core.interface.events import DecisionLate
-from proxy.worker import Worker, decide
+from proxy.worker import Decision, Worker
 from tests.waiting import wait_until
 
 FOREVER = 10.0
+
+
+def decide(command, settings, deadline):
+    """Make a decision to its end."""
+    return Decision(command, settings, deadline).work()
+
+
+def ordered(command, ticket=7):
+    """Return the decision that a command with this ticket asks for."""
+    return Decision(dataclasses.replace(command, ticket=ticket), SearchSettings(), FOREVER)
 
 
 @pytest.fixture
@@ -62,13 +71,24 @@ def test_a_planner_that_fails_is_told_as_such(command):
     assert ready.error.startswith("ProblemError: ")
 
 
+def test_a_decision_that_pauses_goes_on_where_it_was(command):
+    """What a later thread finds is what one would have found; pauses are no time that the search took."""
+    paper = SearchSettings(search="paper", engine="python")
+    at_once = decide(command, paper, FOREVER)
+    decision = Decision(command, paper, FOREVER)
+    assert decision.work(clock.monotonic() - 1.0) is None
+    assert decision.answer is None
+    ready = decision.work()
+    assert decision.answer is ready
+    assert dataclasses.replace(ready.plan, seconds=None) == dataclasses.replace(at_once.plan, seconds=None)
+
+
 def test_the_worker_answers_and_stops(command):
     """Each order is answered with its ticket; a closed worker has finished."""
     answers = queue.SimpleQueue()
-    worker = Worker(SearchSettings(), 0.1, answers.put)
-    worker.start()
+    worker = Worker(0.1, answers.put)
     for ticket in (1, 2):
-        worker.submit(dataclasses.replace(command, ticket=ticket))
+        worker.submit(ordered(command, ticket))
         assert answers.get(timeout=10.0).ticket == ticket
     worker.close(5.0)
     assert not worker._thread.is_alive()
@@ -82,34 +102,20 @@ def test_of_orders_that_wait_only_the_newest_is_answered(command):
         answers.put(answer.ticket)
         end.wait(20.0)
 
-    worker = Worker(SearchSettings(), 0.1, slow)
-    worker.start()
-    worker.submit(command)
+    worker = Worker(0.1, slow)
+    worker.submit(ordered(command))
     assert answers.get(timeout=10.0) == command.ticket
     for ticket in (8, 9, 10):
-        worker.submit(dataclasses.replace(command, ticket=ticket))
+        worker.submit(ordered(command, ticket))
     end.set()
     assert answers.get(timeout=10.0) == 10
     worker.close(5.0)
     assert answers.qsize() == 0
 
 
-def test_what_is_not_answered_by_its_deadline_is_late(command):
-    """And what is answered is not late, even where its answer has not been taken in yet."""
-    answers = queue.SimpleQueue()
-    worker = Worker(SearchSettings(), 0.1, answers.put)
-    worker.start()
-    late = worker.due(command.ticket)
-    assert isinstance(late, DecisionLate)
-    assert late.ticket == command.ticket
-    worker.submit(command)
-    assert answers.get(timeout=10.0) is worker.due(command.ticket)
-    worker.close(5.0)
-
-
 def test_behind_a_decision_that_is_overdue_nothing_is_awaited():
     """Nobody knows when the one in hand comes to its end."""
-    worker = Worker(SearchSettings(), 0.1, lambda _: None)
+    worker = Worker(0.1, lambda _: None)
     asked = clock.monotonic()
     assert not worker.busy(asked + 60.0)
     worker._began = asked
@@ -129,11 +135,10 @@ def test_the_deadline_counts_from_what_asked_for_the_decision(command):
 def test_a_decision_that_never_ends_is_noticed(command):
     """While nothing is decided nothing is stuck, nor what may still end in time."""
     end = threading.Event()
-    worker = Worker(SearchSettings(), 0.5, lambda _: end.wait(20.0))
-    worker.start()
+    worker = Worker(0.5, lambda _: end.wait(20.0))
     assert not worker.stuck(clock.monotonic() + 60.0)
     submitted = clock.monotonic()
-    worker.submit(command)
+    worker.submit(ordered(command))
     wait_until(lambda: worker.stuck(submitted + 60.0), what="the search to begin")
     assert not worker.stuck(submitted)
     end.set()

@@ -30,6 +30,7 @@ import math
 from collections.abc import Callable, Sequence
 from operator import itemgetter
 
+from planner.utility import integral
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
@@ -37,7 +38,7 @@ from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans, exceeds, use_of
 from proxy.core.view.stream import Stream, excess
 from proxy.core.view.view import SharedView
-from utility_specs.lifetimes import initial, integral
+from utility_specs.lifetimes import initial
 
 Claim = tuple[float, str]
 """What a byte of a stream gains by how long nothing of it was sent; of equal ones the robot's name tells."""

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 
 from planner import Aggregation
+from planner.utility import integral
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.standing import interval_of, variance_of
 from proxy.core.model.limits import Limit, use_of
@@ -13,7 +14,6 @@ from proxy.core.split.demand import Demand, bid_for
 from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
-from utility_specs.lifetimes import integral
 
 
 def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:

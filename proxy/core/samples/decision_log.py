@@ -17,11 +17,12 @@ from heapq import nlargest
 from typing import NamedTuple, Self
 
 from planner import Aggregation, Message, MessageUtility, Plan, Problem
+from planner.utility import integral
 from proxy.core.market.standing import Weighed
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.tuning import TUNING
 from proxy.core.window.candidates import Candidate
-from utility_specs.lifetimes import initial, integral
+from utility_specs.lifetimes import initial
 
 
 class Rival(NamedTuple):

@@ -1,5 +1,6 @@
 """The decision that is being searched for: one at a time, so that each knows what the one before decided."""
 
+import math
 from dataclasses import dataclass
 
 from planner import Plan
@@ -62,6 +63,11 @@ class Search:
     def busy(self) -> bool:
         """Whether an answer is awaited."""
         return self.pending is not None
+
+    @property
+    def answer_due(self) -> float:
+        """Until when an answer may well come [s]; −∞ where none is awaited."""
+        return -math.inf if self.pending is None else self.pending.asked + TUNING.answered_within
 
     def start(self, now: float, sample: Waiting, inbox: Inbox, ticket: int, copy: Copy | None = None) -> Command:
         """Have a sample decided, or the copy of one, while others wait in the inbox."""

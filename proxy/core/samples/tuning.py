@@ -15,6 +15,8 @@ class SamplesTuning:
     broadcast."""
     shortest_wait: float = 1e-3
     """A sample gives way for at least this long [s]."""
+    answered_within: float = 0.1
+    """What is told waits for an answer so long at most, to tell of it, too [s]."""
     fewest_iterations: int = 50
     """Iterations of a search, however many samples wait."""
     samples_per_halving: int = 4

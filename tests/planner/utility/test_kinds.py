@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner import Message, Problem, SearchSettings, Stream, start
+from planner import Linear, Message, Problem, SearchSettings, Stream, start
 from planner.received import integrals
-from planner.utility import Batched
+from planner.utility import Batched, integral
 from tests.planner.utility.kinds import ages, alike, by_quadrature, falling, spans, utilities
 
 
@@ -19,6 +19,22 @@ def area(utility, begin, end) -> float:
 def test_integral_equals_quadrature(utility, span):
     """The closed form of the integral agrees with numerical quadrature between any two ages."""
     assert area(utility, *span) == pytest.approx(by_quadrature(utility, *span), rel=1e-6, abs=1e-8)
+
+
+@given(utilities, ages)
+def test_one_message_is_worth_what_each_of_many_is(utility, age):
+    """Whichever language says it."""
+    assert integral(utility, age) == pytest.approx(area(utility, 0.0, age), rel=1e-12, abs=1e-12)
+
+
+def test_one_message_of_an_operators_own_kind_is_worth_what_that_says():
+    """Even where it is derived from one that the planner knows."""
+
+    class Twice(Linear):
+        def integral(self, start, end):
+            return 2.0 * super().integral(start, end)
+
+    assert integral(Twice(1.0, 0.5), 1.0) == 2.0 * integral(Linear(1.0, 0.5), 1.0) > 0.0
 
 
 @given(utilities, st.tuples(ages, ages, ages).map(sorted))

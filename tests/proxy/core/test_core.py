@@ -478,12 +478,12 @@ def test_others_are_told_how_streams_generate(make_talk):
     talk = make_talk(allowance=0.02)
     talk.want(0.0)
     for t in periodic(30, jitter=0.02):
-        talk.publish(t)
+        decided(talk, t)
     told = [stream for sent in talk.all(SendDigest) for stream in sent.digest.streams if stream.period > 0.0]
     assert told[-1].period == pytest.approx(1.0, rel=0.1)
     assert told[-1].jitter < 10
     for t in poisson(60, seed=3):
-        talk.publish(36.0 + t)
+        decided(talk, 36.0 + t)
     kinds = [command.state.streams[0].schedule for command in talk.all(SendState) if command.state.streams]
     assert list(dict.fromkeys(kinds)) == ["", "poisson"]
     assert talk.all(SendState)[-1].state.streams[0].jitter > 0.5
@@ -541,6 +541,12 @@ def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs):
     talk.want(30.0)
     talk.tell(ev.TimePassed(60.0))
     assert talk.all(SendDigest)[-1].digest.capacity == ()
+
+
+def decided(talk, now, **what):
+    """Publish a sample that the planner has dropped, if it is asked."""
+    for decide in only(talk.publish(now, **what)[1], Decide):
+        talk.answer(now, decide, send=False)
 
 
 def told_by(talk, now=1.0, number=1, **rest):
@@ -650,8 +656,8 @@ def test_updates_of_the_state_name_what_is_new(make_talk):
     """A first state is whole; a new stream is an update of it; a subscription is told with all the rest."""
     talk = make_talk()
     talk.want(0.0)
-    talk.publish(1.0)
-    talk.publish(2.0, key="robot/x/camera")
+    decided(talk, 1.0)
+    decided(talk, 2.0, key="robot/x/camera")
     talk.tell(ev.InterestChanged(3.0, ("k",)))
     states = talk.all(SendState)
     assert [sent.state.number for sent in states] == list(range(1, len(states) + 1))
@@ -670,13 +676,13 @@ def test_small_streams_that_begin_together_are_told_of_together(make_talk, make_
     talk.want(0.0)
     talk.tell(ev.TimePassed(0.9))
     for late, name in ((0.0, "a"), (0.1, "b")):
-        talk.publish(1.0 + late, key=f"robot/{name}/camera", size=100)
+        decided(talk, 1.0 + late, key=f"robot/{name}/camera", size=100)
     talk.tell(ev.TimePassed(1.2))
     assert [len(sent.state.streams) for sent in talk.all(SendState)][-1] == 0
     talk.tell(ev.TimePassed(1.0 + GOSSIP.gather))
     assert [len(sent.state.streams) for sent in talk.all(SendState)][-1] == 2
-    talk.publish(3.0, key="robot/c/camera", size=100)
-    talk.publish(3.1, key="robot/d/camera", size=100_000)
+    decided(talk, 3.0, key="robot/c/camera", size=100)
+    decided(talk, 3.1, key="robot/d/camera", size=100_000)
     assert [len(sent.state.streams) for sent in talk.all(SendState)][-1] == 4
 
 
@@ -684,7 +690,7 @@ def test_who_asks_for_the_state_is_told_everything_in_the_next_digest(make_talk)
     """Also what others were told long ago."""
     talk = make_talk()
     talk.want(0.0)
-    talk.publish(1.0)
+    decided(talk, 1.0)
     talk.tell(ev.TimePassed(3.0))
     assert talk.all(SendDigest)[-1].digest.streams == ()
     talk.tell(ev.StateAsked(3.1))

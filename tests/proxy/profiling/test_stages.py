@@ -14,6 +14,8 @@ from proxy.profiling.stages import STAGES, stage_of
         ("ingress", ["proxy.bridge.demand", "proxy.bridge.ingress", "proxy.bridge.deduplication"]),
         ("features", ["cv2", "utility_specs.features.image", "utility_specs.specs", "proxy.features", "threading"]),
         ("features", ["proxy.loop", "proxy.features", "proxy.bridge.ingress"]),
+        ("core", ["proxy.core.samples.gate", "proxy.core.core", "proxy.loop", "proxy.features", "threading"]),
+        ("bridge", ["proxy.bridge.payloads", "proxy.execution", "proxy.loop", "proxy.bridge.ingress"]),
         ("core", ["planner.utility.base", "proxy.core.market.prices", "proxy.core.core", "proxy.loop"]),
         ("core", ["proxy.core.interface.commands", "proxy.execution", "proxy.loop", "threading"]),
         ("window", ["proxy.core.view.stream", "proxy.core.window.problem", "proxy.core.samples.gate", "proxy.loop"]),

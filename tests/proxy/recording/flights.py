@@ -18,7 +18,9 @@ def answer(core, event):
 
 
 class Doubled:
-    """A core, and beside it another one that is made of a snapshot of it now and then, which must do the same."""
+    """A core, and beside it another one that is made of a snapshot of it now and then, which must do the same.
+
+    A quarter of the snapshots at least is taken while a search is under way, if there is any."""
 
     def __init__(self, core, every, change=None, load=None):
         self.core = core
@@ -38,7 +40,8 @@ class Doubled:
         return self._take(event)
 
     def _take(self, event):
-        if self.events % self._every == 0:
+        searches = self.core.asked is not None and 4 * self.searching < self.snapshots
+        if self.events % self._every == 0 or searches:
             self._renew(event.now)
         self.events += 1
         commands = self.core.handle(event)

@@ -15,6 +15,7 @@ from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.protocol.split_report import SplitReport
 from proxy.core.protocol.state_codec import pack_state
+from proxy.core.samples.tuning import TUNING as SAMPLES
 from proxy.core.view.tuning import TUNING as VIEW
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import fly
@@ -345,9 +346,27 @@ def test_a_large_stream_is_told_of_at_once_and_small_ones_together(make_talk):
         talk.publish(now, key="robot/x/camera", size=10)
     talk.tell(ev.TimePassed(5.0 + 2.0 * TUNING.gather))
     assert talk.all(SendState) == []
-    talk.publish(6.0, size=2_000)
+    sends(talk, 6.0, size=2_000)
     (told,) = talk.all(SendState)
     assert {stream.key for stream in told.state.streams} == {"robot/x/camera", "robot/r1/camera"}
+
+
+@pytest.mark.parametrize("answered", [True, False])
+def test_what_is_told_waits_for_the_answer_of_a_search(make_talk, answered):
+    """One digest tells that a sample was generated and sent; where no answer comes it tells the former soon."""
+    talk = make_talk(allowance=0.5)
+    talk.want(0.0)
+    for now in (6.0, 7.0):
+        sends(talk, now)
+    _, (*_, decide) = talk.publish(8.0)
+    assert digests(talk, 8.0) == []
+    if answered:
+        talk.answer(8.001, decide, send=True)
+    else:
+        talk.tell(ev.TimePassed(8.0 + SAMPLES.answered_within))
+    (digest,) = digests(talk, 8.0)
+    ((generated, forwarded),) = [(stream.generated, stream.forwarded) for stream in digest.streams]
+    assert generated - forwarded == (0 if answered else 1)
 
 
 @pytest.mark.parametrize(("lost", "again"), [(0, 0), (10, 1), (30, 3)])
