@@ -91,7 +91,7 @@ CASES = (
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """What part of a core two teams took in two turns: in the first one the one was watched, in the second the other."""
+    """What part of a core two teams took in two turns: first the one was watched, then the other."""
 
     first: tuple[float, float]
     second: tuple[float, float]
