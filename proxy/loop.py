@@ -73,7 +73,7 @@ class Loop:
         """When time must pass next, and until when the loop's thread sleeps [s]."""
         self._orders: deque[Callable[[], None]] = deque()
         """What is done before all that waits."""
-        self._noted: deque[Item | _Timed | None] = deque()
+        self._noted: deque[Item] = deque()
         """What the core only notes."""
         self._collect_at = -math.inf
         """When it is looked whether there is more of it, as there was some lately [s]: to be woken costs more."""
@@ -198,19 +198,20 @@ class Loop:
     def bring(self, item: Item) -> bool:
         """Do an item on this thread, and what follows from it, if nothing waits for the core; return whether it did.
 
-        For who has time: a search may follow. From any thread but the loop's; never blocks.
+        What the core only notes comes before it. For who has time: a search may follow. From any thread but the loop's;
+        never blocks.
         """
         if not self._lease.acquire(blocking=False):
             return False
         try:
-            if self._ended or self._waits(clock.monotonic()):
+            if self._ended or self._waits(clock.monotonic(), noted=False):
                 return False
-            self._user, todo = threading.get_ident(), item
-            while True:
-                self._wake_at = self._digest(todo)
-                if not self._following or self._items or self._orders:
-                    break
-                todo = self._following.popleft()
+            self._user = threading.get_ident()
+            for noted in [self._noted.popleft() for _ in range(len(self._noted))]:
+                self._digest(noted)
+            self._following.append(item)
+            while self._following and not (self._items or self._orders):
+                self._wake_at = self._digest(self._following.popleft())
             due = bool(self._following) or self._due_sooner() or bool(self._noted and not self._core_notes)
         finally:
             self._user = 0
@@ -223,9 +224,9 @@ class Loop:
         """Whether something is due before the loop's thread wakes."""
         return self._wake_at < self._until or bool(self._timed and self._timed[0][0] < self._until)
 
-    def _waits(self, now: float) -> bool:
-        """Whether anything is to be done before a sample that came now."""
-        if self._items or self._orders or self._noted or self._following:
+    def _waits(self, now: float, *, noted: bool = True) -> bool:
+        """Whether anything is to be done before a sample that came now; `noted`: what the core only notes is, too."""
+        if self._items or self._orders or self._following or (noted and self._noted):
             return True
         return bool(self._timed) and self._timed[0][0] <= now
 

@@ -38,7 +38,7 @@ with --follow each line is one decision. proxy/WHY.md describes every field. The
 such a stream, also where nothing was decided on it yet; 1 when it does not, or no daemon answers; 2 for a wrong command
 line.
 """
-MOST_PAUSE, LEAST_PAUSE = 1.0, 0.1
+MOST_PAUSE, LEAST_PAUSE = 2.0, 0.1
 """The daemon is asked again after so long [s]: the less is decided on a stream, the longer..."""
 AT_ONCE = LAST[1] * 3 // 4
 """... so that an answer has so many decisions at most, of those that are kept."""

@@ -29,6 +29,11 @@ class Metric:
         """The name under which values are exported."""
         return f"{PREFIX}{self.name}{'_total' * (self.kind == 'counter')}"
 
+    @property
+    def head(self) -> str:
+        """What stands before its values."""
+        return f"# HELP {self.exported} {self.help}\n# TYPE {self.exported} {self.kind}\n"
+
 
 def single(*path: str) -> Callable[[Status], Iterator[Row]]:
     """Read the value at a path of the status."""

@@ -9,7 +9,6 @@ import logging
 import socket
 import threading
 from collections.abc import Callable
-from functools import partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
 from typing import Any
@@ -39,11 +38,9 @@ class MetricsServer:
     """Serves what `read` returns on `listen`, "HOST:PORT". Raises MetricsError if that cannot be had."""
 
     def __init__(self, listen: str, read: Callable[[], Status]) -> None:
-        from prometheus_client import generate_latest  # noqa: PLC0415 - an extra
+        from proxy.metrics.exposition import Exposition  # noqa: PLC0415 - an extra
 
-        from proxy.metrics.collector import registry_of  # noqa: PLC0415 - an extra
-
-        self.text: Callable[[], bytes] = partial(generate_latest, registry_of(read))
+        self.text: Callable[[], bytes] = Exposition(read).text
         """Returns all metrics as they are now. Raises TimeoutError if the daemon is too busy."""
         self._socket = _listening(listen)
         self._closed = threading.Event()

@@ -24,6 +24,7 @@ log = logging.getLogger(__name__)
 Look = Callable[[int, float], Snapshot]
 """Returns what the core knows before the event with a number, at a time [s]; raises RecordingError."""
 FULL = "more than could be written"
+_MANY = TUNING.many
 
 
 class Recorder:
@@ -52,6 +53,8 @@ class Recorder:
         """So many heads were given to the output."""
         self._items: deque[Taken | Missing | Head] = deque()
         self._missing: Missing | None = None
+        self._special = True
+        """Whether samples that are only passed on are looked at before they are noted."""
         self._held = self._given = 0
         """Bytes of payloads that were noted, and that were written or given up [B]."""
         self._wake = threading.Event()
@@ -113,11 +116,25 @@ class Recorder:
 
     def pass_on(self, event: Event) -> list[Command] | None:
         """Have the core only pass a sample on, and note that; None where it does not, or a snapshot is due first."""
+        if self._special:
+            return self._pass_on(event)
+        commands = self._core.pass_on(event)
+        if commands is not None:  # as `_note`, in few steps
+            number = self._number
+            self._number = number + 1
+            self._items.append((number, event, commands, "", None))
+            if len(self._items) >= _MANY:
+                self._special = True
+        return commands
+
+    def _pass_on(self, event: Event) -> list[Command] | None:
+        """Do that where there is more to it than to note the event."""
         if self._output.heads > self._heads:
             return None
         commands = self._core.pass_on(event)
         if commands is not None:
             self._note(event, commands, "")
+            self._special = self._payload is not None or self._missing is not None or len(self._items) >= _MANY
         return commands
 
     def _save(self, now: float) -> None:
@@ -147,7 +164,7 @@ class Recorder:
             self._missing = None
         payload = None if self._payload is None else self._payload_of(event)
         items.append((number, event, commands, fault, payload))
-        if len(items) == TUNING.many:
+        if len(items) >= _MANY:
             self._wake.set()
 
     def _payload_of(self, event: Event) -> Content | None:
@@ -176,6 +193,8 @@ class Recorder:
             if now >= flushed + TUNING.flush:
                 self._output.flush()
                 flushed = now
+                if self._output.heads > self._heads:
+                    self._special = True
             if closing:
                 break
             self._wake.wait(flushed + TUNING.flush - now)

@@ -1,5 +1,6 @@
 """Whether a daemon records, and what becomes of that. The library that writes is loaded when it does."""
 
+import gc
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,6 +14,7 @@ from proxy.loop import Loop
 from proxy.recording.entries import Start
 from proxy.recording.errors import RecordingError
 from proxy.recording.folder import RecordingFolder
+from proxy.recording.tuning import TUNING
 from proxy.runtime import LiveRuntime
 
 
@@ -38,6 +40,8 @@ class Recording:
         )
         self._recorder: Any = None
         self._on = False
+        self._thresholds = gc.get_threshold()
+        """When Python looks for garbage while nothing is recorded."""
 
     @property
     def on(self) -> bool:
@@ -76,6 +80,8 @@ class Recording:
         self._recorder = recorder = Recorder(core, output, partial(taken, core), payload=contents)
         recorder.start()
         self._loop.record(recorder)
+        self._thresholds = gc.get_threshold()
+        gc.set_threshold(TUNING.young, *self._thresholds[1:])
         self._on = True
 
     def stop(self) -> None:
@@ -84,6 +90,7 @@ class Recording:
             raise RecordingError("it does not record")
         self._loop.record(None)
         self._recorder.stop()
+        gc.set_threshold(*self._thresholds)
         self._on = False
 
     def begun(self, timeout: float) -> bool:

@@ -72,8 +72,11 @@ class Process:
 
     def last_words(self) -> str:
         """Return the end of what it wrote to standard error."""
-        lines = self._errors.read_text(errors="replace").strip().splitlines()
-        return " | ".join(lines[-3:]) or "it said nothing"
+        return " | ".join(self.errors()[-3:]) or "it said nothing"
+
+    def errors(self) -> list[str]:
+        """Return the lines that it wrote to standard error."""
+        return self._errors.read_text(errors="replace").strip().splitlines()
 
     def terminate(self) -> None:
         """Ask it to stop."""

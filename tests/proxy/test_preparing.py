@@ -36,7 +36,7 @@ FOR_MISTAKES = {"difflib", "unicodedata"}
 OTHERS = {
     *("importlib.metadata", "multiprocessing", "csv", "zipfile"),
     *("planner.tables", "planner._native", "proxy.profiling._native"),
-    *("proxy.metrics.server", "proxy.metrics.collector", "proxy.recording.recorder", "proxy.status"),
+    *("proxy.metrics.server", "proxy.metrics.exposition", "proxy.recording.recorder", "proxy.status"),
     *("proxy.commands.status", "proxy.commands.client", "proxy.top", "proxy.decisions_text", "proxy.quantities"),
 }
 """Parts of what else only other commands need, and what a daemon does not do that is not asked to."""

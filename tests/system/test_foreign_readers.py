@@ -9,10 +9,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from prometheus_client import generate_latest
 
 from proxy.cli import main
-from proxy.metrics.collector import registry_of
+from proxy.metrics.exposition import Exposition
 from tests.proxy.metrics.statuses import status
 
 pytestmark = pytest.mark.system
@@ -25,7 +24,7 @@ def test_prometheus_finds_nothing_to_complain_of():
     """Names, units, types and help texts are as its own checker wants them."""
     promtool = shutil.which("promtool", path=f"{Path('.venv/bin').resolve()}:{os.environ['PATH']}")
     assert promtool, "tests/system/run installs it"
-    text = generate_latest(registry_of(status))
+    text = Exposition(status).text()
     checked = subprocess.run([promtool, "check", "metrics"], input=text, capture_output=True, check=False)
     assert (checked.returncode, checked.stdout + checked.stderr) == (0, b"")
 

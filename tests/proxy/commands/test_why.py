@@ -159,7 +159,7 @@ def test_following_as_json_gives_a_decision_a_line():
     assert json.loads(line) == {"version": 1, "robot": "r1", "key": "a", **decision(1)}
 
 
-@pytest.mark.parametrize(("rate", "wait"), [(0, 1.0), (10, 1.0), (24, 0.5), (60, 0.2), (1000, 0.1)])
+@pytest.mark.parametrize(("rate", "wait"), [(0, 2.0), (10, 1.2), (24, 0.5), (60, 0.2), (1000, 0.1)])
 def test_the_more_is_decided_the_sooner_it_is_asked_again(rate, wait):
     """Before the daemon forgets any of the last 16 decisions on a stream, where that can be."""
     last = 1.0

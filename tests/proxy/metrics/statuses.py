@@ -2,12 +2,11 @@
 
 from copy import deepcopy
 
-from prometheus_client import generate_latest
 from prometheus_client.parser import text_string_to_metric_families
 
 from proxy.core.core import Core
 from proxy.core.model.settings import CoreSettings
-from proxy.metrics.collector import registry_of
+from proxy.metrics.exposition import Exposition
 from utility_specs import Specs
 
 DAEMON = {
@@ -53,11 +52,14 @@ def status(**changed):
 
 
 def scraped(of):
-    """Return every value of our metrics by name and labels, `robot` left out."""
-    text = generate_latest(registry_of(lambda: of)).decode()
+    """Return every value of our metrics by name and labels, in the order of their names, `robot` left out."""
+    text = Exposition(lambda: of).text().decode()
     samples = [sample for family in text_string_to_metric_families(text) for sample in family.samples]
     ours = [sample for sample in samples if sample.name.startswith("sendworthy_")]
     assert all(sample.labels.pop("robot") == of["robot"] for sample in ours)
-    found = {(sample.name.removeprefix("sendworthy_"), *sample.labels.values()): sample.value for sample in ours}
+    found = {
+        (sample.name.removeprefix("sendworthy_"), *dict(sorted(sample.labels.items())).values()): sample.value
+        for sample in ours
+    }
     assert len(found) == len(ours)
     return found

@@ -1,5 +1,6 @@
 """Whether a daemon records, on real sessions."""
 
+import gc
 import json
 import sys
 
@@ -10,6 +11,7 @@ from proxy.config import AppConfig, Config, MeshConfig, RecordConfig, SpecsConfi
 from proxy.daemon import Daemon
 from proxy.recording.entries import Happened, Payload
 from proxy.recording.errors import RecordingError
+from proxy.recording.tuning import TUNING
 from proxy.reloading import read_specs
 from tests.daemons import specs_file
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session
@@ -79,6 +81,15 @@ def test_a_daemon_records_when_it_is_told(robot):
     assert sum(isinstance(entry, Happened) for entry in found) == ended["events"]
     assert (found[0].robot, found[0].whole, found[0].payloads) == ("r1", False, True)
     assert any(isinstance(entry, Payload) and entry.data == b"payload" for entry in found)
+
+
+def test_what_waits_to_be_written_is_not_looked_through_for_garbage(robot):
+    """While it records; then as before."""
+    before = gc.get_threshold()
+    robot.told({"record": "start"})
+    assert gc.get_threshold()[0] == TUNING.young > 2 * TUNING.many
+    robot.told({"record": "stop"})
+    assert gc.get_threshold() == before
 
 
 def test_it_records_as_often_as_it_is_told(robot):
