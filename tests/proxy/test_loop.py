@@ -365,3 +365,15 @@ def test_what_is_due_sooner_by_what_was_brought_wakes_the_loop(led, monkeypatch)
     led.ask(lambda: None, 20.0)
     wait_until(lambda: led.bring(lambda: led.at(clock.monotonic() + 0.05, ran.set)), what="the lease of the core")
     assert ran.wait(20.0)
+
+
+def test_what_the_core_only_notes_comes_before_what_is_brought(led, passing, monkeypatch):
+    """Whoever brings a sample sees to that, too: the loop's thread need not wake."""
+    monkeypatch.setattr(type(led.core), "notes", True)
+    monkeypatch.setattr(led.core, "wake_at", lambda now: now + 3600.0)
+    here = threading.current_thread().name
+    wait_until(lambda: led.bring(sample(1, "c")), what="the lease of the core")
+    led.note(sample(2, "c"))
+    wait_until(lambda: led.bring(sample(3, "c")), what="the lease of the core")
+    assert [number for _, number, _ in passing.taken if number > 0] == [1, 2, 3]
+    assert passing.taken[-1] == ("handled", 3, here)
