@@ -1,19 +1,25 @@
 """What decisions add to the delay of a frame: from its publication to its first byte on the medium, and to its arrival.
 
 One robot and the operator, on a medium that is fast, so that nothing waits there; the spec's limit is half of what the
-camera offers, so that every frame is decided.
+camera offers, so that every frame is decided. Now and then a frame waits for room under the limit: that is told apart,
+as the robot's recording tells it.
 """
 
 import json
+import math
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
+from proxy.core.interface.events import DecisionReady, SamplePublished
+from proxy.recording.entries import Entry, Gap, Happened
+from proxy.recording.errors import RecordingError
+from proxy.recording.reading import RecordingReader
 from studies.demo.air import Air
 from studies.demo.events import Publish, Receive, Serve, read_events
 from studies.demo.figures import LARGE
@@ -58,12 +64,14 @@ WAYS = (
 class Delay:
     """Of one way: how many frames came and how long they took [s], and what the daemon says of its decisions.
 
-    `sent` is the time to the first byte on the medium: p50 and p99. `decided` counts frames by search, `seconds` is how
-    long one took on average and `longest` at most.
+    `waited` of them did so for room under the limit, the times are those of the others: `sent` to the first byte on the
+    medium, p50 and p99. `decided` counts frames by search, `seconds` is how long one took on average and `longest` at
+    most.
     """
 
     way: str
     frames: int
+    waited: int
     sent: tuple[float, float]
     arrived: tuple[float, float]
     decided: int
@@ -92,27 +100,31 @@ def measure(store: Path, seconds: float, most: float) -> list[Delay]:
 
 def _measure(way: Way, seconds: float) -> Delay:
     nodes = lay_out(1)
-    with tempfile.TemporaryDirectory(prefix="sendworthy-delays-") as name, ExitStack() as stack:
+    with tempfile.TemporaryDirectory(prefix="sendworthy-delays-") as name:
         folder = Path(name)
-        troupe = stack.enter_context(Troupe(folder))
-        _, dials = start_medium(troupe, nodes, Air(MEDIUM / 8), folder / "medium.jsonl")
-        if way.mode is None:
-            start_routers(troupe, nodes, dials)
-        else:
-            spec = SURVEILLANCE.format(limit=LIMIT, window=WINDOW)
-            flags = [] if way.iterations is None else ["--planner.iterations", str(way.iterations)]
-            daemons = start_daemons(troupe, nodes, dials, spec, folder, mode=way.mode, flags=flags)
-            if way.part < 1.0:
-                stack.enter_context(held_to(way.part, [daemon.pid for daemon in daemons]))
-        operator = start_app(troupe, "operator", nodes[0], folder, ["--photograph-at", "1e9", "--photographs", name])
-        apps = [*start_robots(troupe, nodes, Cast(1, seconds, 1), folder).all, operator]
-        operator.hear(PATIENCE)
-        start = time.monotonic() + LEAD
-        for app in apps:
-            app.tell(start)
-        time.sleep(max(0.0, start + seconds - time.monotonic()))
-        troupe.check()
-        decisions = {} if way.mode is None else status(nodes[1])["decisions"]
+        with ExitStack() as stack:
+            troupe = stack.enter_context(Troupe(folder))
+            _, dials = start_medium(troupe, nodes, Air(MEDIUM / 8), folder / "medium.jsonl")
+            if way.mode is None:
+                start_routers(troupe, nodes, dials)
+            else:
+                spec = SURVEILLANCE.format(limit=LIMIT, window=WINDOW)
+                flags = [] if way.iterations is None else ["--planner.iterations", str(way.iterations)]
+                own = {nodes[1].name: ["--record.on", "true", "--record.folder", name]}
+                daemons = start_daemons(troupe, nodes, dials, spec, folder, mode=way.mode, flags=flags, own_flags=own)
+                if way.part < 1.0:
+                    stack.enter_context(held_to(way.part, [daemon.pid for daemon in daemons]))
+            operator = start_app(
+                troupe, "operator", nodes[0], folder, ["--photograph-at", "1e9", "--photographs", name]
+            )
+            apps = [*start_robots(troupe, nodes, Cast(1, seconds, 1), folder).all, operator]
+            operator.hear(PATIENCE)
+            start = time.monotonic() + LEAD
+            for app in apps:
+                app.tell(start)
+            time.sleep(max(0.0, start + seconds - time.monotonic()))
+            troupe.check()
+            decisions = {} if way.mode is None else status(nodes[1])["decisions"]
         return _delay(way.title, folder, decisions)
 
 
@@ -121,8 +133,11 @@ def _delay(title: str, folder: Path, decisions: dict[str, float]) -> Delay:
     published = {event.number: event.t for event in events if isinstance(event, Publish)}
     received = [event for event in events if isinstance(event, Receive)]
     first = np.sort([e.t for e in events if isinstance(e, Serve) and e.sink == OPERATOR and e.size >= LARGE])
+    held = {number for path in folder.glob("*.mcap") for number in waited(RecordingReader(path))}
     sent, arrived = [], []
     for event in received:
+        if event.number in held:
+            continue
         begun = published[event.number]
         place = int(np.searchsorted(first, begun))
         if place < len(first) and first[place] <= event.t:
@@ -130,7 +145,33 @@ def _delay(title: str, folder: Path, decisions: dict[str, float]) -> Delay:
         arrived.append(event.t - begun)
     made = int(decisions.get("made", 0))
     mean = decisions.get("seconds", 0.0) / made if made else 0.0
-    return Delay(title, len(received), _ends(sent), _ends(arrived), made, mean, decisions.get("longest", 0.0))
+    longest = decisions.get("longest", 0.0)
+    return Delay(title, len(received), len(received) - len(arrived), _ends(sent), _ends(arrived), made, mean, longest)
+
+
+def waited(recording: Iterable[Entry]) -> Iterator[int]:
+    """Yield the numbers of a camera's frames that were decided later than they came, as they waited for room.
+
+    Raises RecordingError for a recording with a gap.
+    """
+    came: dict[int, tuple[int, float]] = {}
+    asked, frames = -math.inf, 0
+    for entry in recording:
+        if isinstance(entry, Gap):
+            raise RecordingError(f"{entry.events} events are missing")
+        if not isinstance(entry, Happened):
+            continue
+        event = entry.event
+        if isinstance(event, SamplePublished) and event.key.endswith("/camera"):
+            frames += 1 + event.superseded
+            came[event.sample] = frames - 1, event.now
+        for command in entry.commands:
+            if command["command"] == "Decide":
+                asked = command["asked"]
+            elif command["command"] == "Forward" and command["sample"] in came:
+                number, at = came[command["sample"]]
+                if isinstance(event, DecisionReady) and asked > at:
+                    yield number
 
 
 def _ends(values: Sequence[float]) -> tuple[float, float]:

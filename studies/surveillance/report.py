@@ -159,6 +159,7 @@ def _of_delays(delays: Sequence[Delay]) -> Table:
         (
             each.way,
             str(each.frames),
+            str(each.waited),
             *(f"{1e3 * value:.1f}" for value in (*each.sent, *each.arrived)),
             str(each.decided),
             f"{1e3 * each.seconds:.2f}" if each.decided else "–",
@@ -166,12 +167,13 @@ def _of_delays(delays: Sequence[Delay]) -> Table:
         )
         for each in delays
     ]
-    columns = ("", "frames", "sent p50 [ms]", "p99", "arrived p50 [ms]", "p99", "searches", "mean [ms]", "longest")
+    times = ("sent p50 [ms]", "p99", "arrived p50 [ms]", "p99")
+    columns = ("", "frames", "waited", *times, "searches", "mean [ms]", "longest")
     note = (
         f"One robot and the operator on {MEDIUM / 1e6:g} Mbit/s, limited to {LIMIT / 1e6:g} Mbit/s: half of what its"
-        " camera offers. Sent is the time from a frame's publication to its first byte on the medium. It holds the time"
-        " that a frame waits for room under the limit. The last columns are what the daemon says of its searches."
-        " Daemons under a tenth of a core have both, the robot's and the operator's, a tenth each."
+        " camera offers. Sent is the time from a frame's publication to its first byte on the medium. Frames that"
+        " waited for room under the limit are told apart, and not in the times. The last columns are what the daemon"
+        " says of its searches. Under a tenth of a core both daemons, the robot's and the operator's, have a tenth each."
     )
     return Table("What decisions add", columns, tuple(rows), note)
 

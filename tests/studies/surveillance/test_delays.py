@@ -4,7 +4,11 @@ import json
 
 import pytest
 
-from studies.surveillance.delays import _delay
+from planner import Plan
+from proxy.core.interface.events import DecisionReady, SamplePublished, TimePassed
+from proxy.recording.entries import Gap, Happened
+from proxy.recording.errors import RecordingError
+from studies.surveillance.delays import _delay, waited
 
 
 def log(path, *entries):
@@ -31,3 +35,29 @@ def test_a_frame_is_sent_with_its_first_byte_on_the_medium(tmp_path):
     assert found.sent == pytest.approx((0.05, 0.05))
     assert found.arrived[0] == pytest.approx(0.15)
     assert (found.decided, found.seconds, found.longest) == (4, pytest.approx(0.005), 0.01)
+
+
+def frame(number, now, **rest):
+    return SamplePublished(now, number, "robot/r1/camera", 35_000, now, None, 5, {}, **rest)
+
+
+def happened(event, *commands):
+    return Happened(0, event, tuple({"command": name} | fields for name, fields in commands))
+
+
+def test_a_frame_that_is_decided_later_than_it_came_waited():
+    """Those that gave way to newer ones count as frames; what was dropped in the end did not wait to be sent."""
+    plan = Plan(True, (0,), 1.0, None, 1, 1)
+    recording = [
+        happened(frame(10, 1.0), ("Decide", {"asked": 1.0})),
+        happened(DecisionReady(1.002, 1, plan), ("Forward", {"sample": 10})),
+        happened(frame(11, 1.1, superseded=2)),
+        happened(TimePassed(1.15), ("Decide", {"asked": 1.15})),
+        happened(DecisionReady(1.152, 2, plan), ("Forward", {"sample": 11})),
+        happened(frame(12, 1.2)),
+        happened(TimePassed(1.25), ("Decide", {"asked": 1.25})),
+        happened(DecisionReady(1.252, 3, plan), ("Drop", {"sample": 12})),
+    ]
+    assert list(waited(recording)) == [3]
+    with pytest.raises(RecordingError, match="7 events are missing"):
+        list(waited([*recording, Gap(9, 7)]))

@@ -46,7 +46,7 @@ def store(tmp_path):
 def test_the_page_tells_of_every_way_and_shows_pictures(store, tmp_path):
     """Tables with a row for each, the characteristic, the screens, the delays."""
     page = tmp_path / "page" / "surveillance.md"
-    delay = Delay("stock routers", 10, (0.001, 0.002), (0.003, 0.0044), 0, 0.0, 0.0)
+    delay = Delay("stock routers", 10, 1, (0.001, 0.002), (0.003, 0.0044), 0, 0.0, 0.0)
     write_report(page, list(kept(store, [MISSION])), [delay], datetime(2026, 1, 1, tzinfo=UTC))
     text = page.read_text()
     assert "## 2 robots, 1.5 Mbit/s" in text
