@@ -173,7 +173,7 @@ def _of_delays(delays: Sequence[Delay]) -> Table:
         f"One robot and the operator on {MEDIUM / 1e6:g} Mbit/s, limited to {LIMIT / 1e6:g} Mbit/s: half of what its"
         " camera offers. Sent is the time from a frame's publication to its first byte on the medium. Frames that"
         " waited for room under the limit are told apart, and not in the times. The last columns are what the daemon"
-        " says of its searches. Under a tenth of a core both daemons, the robot's and the operator's, have a tenth each."
+        " says of its searches. Under a tenth of a core each daemon has that, the robot's and the operator's."
     )
     return Table("What decisions add", columns, tuple(rows), note)
 

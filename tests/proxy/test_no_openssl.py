@@ -1,5 +1,6 @@
 """A daemon hashes without OpenSSL; who imports its parts otherwise has it."""
 
+import os
 import subprocess
 import sys
 
@@ -22,7 +23,10 @@ print(hmac.new(b"k", b"m", hashlib.sha256).hexdigest())
 
 def answer(*arguments):
     """Return what a process says that runs a command of ours."""
-    done = subprocess.run([sys.executable, "-c", LOADED, *arguments], capture_output=True, text=True, check=True)
+    environ = {name: value for name, value in os.environ.items() if not name.startswith("COV")}  # it imports hashlib
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED, *arguments], env=environ, capture_output=True, text=True, check=True
+    )
     return [line.split() for line in done.stdout.splitlines()[-2:]]
 
 
