@@ -26,7 +26,6 @@ from utility_specs import Specs, SpecsError
 
 log = logging.getLogger("sendworthy")
 
-
 LOOK = 1.0
 """Time between two looks at files of which the kernel says nothing [s]; each wakes the processor."""
 PAUSE = 0.2

@@ -3,7 +3,6 @@
 Only the recorder's thread is in here. Needs the extra `record`.
 """
 
-import ctypes
 import logging
 import os
 from collections.abc import Callable, Sequence
@@ -14,6 +13,7 @@ from typing import Any
 from proxy import clock
 from proxy.bridge.payloads import Content
 from proxy.core.interface.events import Event, SamplePublished, SpecsChanged
+from proxy.heap import give_back
 from proxy.recording.entries import Payload, Snapshot, SpecFile, SpecsText, Start
 from proxy.recording.folder import RecordingFolder
 from proxy.recording.missing import Missing
@@ -175,7 +175,7 @@ class Output:
             self._writer.snapshot(head.snapshot)
             if self._try(self._writer.flush):
                 self._settle()
-            _give_back()
+            give_back()  # what the snapshot took: else a daemon keeps that, 2 MB of 200 streams
 
     @property
     def _full(self) -> bool:
@@ -273,12 +273,6 @@ class Output:
         if self.written.problem:
             log.warning("recording goes on; %d events are missing so far", self.written.missing)
             self.written, self._retry = replace(self.written, problem=""), TUNING.retry
-
-
-def _give_back() -> None:
-    """Give the system what a snapshot took: else a daemon keeps that, 2 MB of 200 streams. Only glibc knows how."""
-    with suppress(AttributeError):
-        ctypes.CDLL(None).malloc_trim(0)
 
 
 def text_of(specs: Specs) -> SpecsText:
