@@ -2,7 +2,7 @@
 
 import os
 import subprocess
-from contextlib import suppress
+import sys
 
 import pytest
 
@@ -10,46 +10,58 @@ from tests.faults.scene import Fault
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.system
-MORE, LEAST_MORE = 1 << 20, 1 << 16
-"""What a daemon may take beyond that, its files in memory included, at first and at least [B]."""
-
-
-class Tight(Fault):
-    """The daemon in a group may hold little more than it does: for more the kernel takes something else from it."""
-
-    def __init__(self, group):
-        self._group = group
-
-    def start(self):
-        self._limit, self._more = 1 << 62, MORE
-        wait_until(self._pressed, 60.0, "the limit to be hit")
-
-    def _pressed(self):
-        """Let it have little more than the least that it was seen to hold, ever less; whether it has asked for more."""
-        least = int((self._group / "memory.usage_in_bytes").read_text()) + self._more
-        self._more = max(LEAST_MORE, self._more * 9 // 10)
-        if least < self._limit:
-            self._limit = least
-            with suppress(OSError):  # it holds more by now, of which nothing can be taken
-                (self._group / "memory.limit_in_bytes").write_text(str(least))
-        return self.hits() > 0
-
-    def hits(self):
-        """How often it asked for more."""
-        return int((self._group / "memory.failcnt").read_text())
-
-    def stop(self):
-        (self._group / "memory.limit_in_bytes").write_text("-1")
-
-
+MORE = 8 << 20
+"""What a daemon may take beyond what it holds when it has its first samples out [B]."""
+WRITTEN = 4 * MORE
+"""What its neighbour writes again and again: so much does not fit beside the daemon [B]."""
 GROUPED = """
-import sys
 with open({procs!r}, "w") as group:
     group.write("0")
+"""
+"""The beginning of a program that puts itself into a group."""
+DAEMON = """
+import sys
 from proxy.cli import main
 sys.exit(main())
 """
-"""A daemon that puts itself into a group."""
+NEIGHBOUR = """
+while True:
+    with open({file!r}, "wb", buffering=0) as file:
+        for _ in range({times}):
+            file.write(bytes(1 << 16))
+"""
+
+
+def in_group(group, program):
+    """What Python is to be called with for a program that runs in a group."""
+    return ("-c", GROUPED.format(procs=str(group / "cgroup.procs")) + program)
+
+
+class Tight(Fault):
+    """A daemon has little more memory than it holds, and a neighbour that always asks for all of it.
+
+    What the neighbour holds are pages of a file, which the kernel can take back: each page that the daemon asks for
+    has to be taken from there.
+    """
+
+    def __init__(self, group, file):
+        self._group, self._file = group, file
+
+    def start(self):
+        held = int((self._group / "memory.usage_in_bytes").read_text())
+        (self._group / "memory.limit_in_bytes").write_text(str(held + MORE))
+        program = in_group(self._group, NEIGHBOUR.format(file=str(self._file), times=WRITTEN >> 16))
+        self._neighbour = subprocess.Popen([sys.executable, "-S", *program])
+        wait_until(lambda: self.hits() > 0, 60.0, "the limit to be hit")
+
+    def hits(self):
+        """How often there was no more."""
+        return int((self._group / "memory.failcnt").read_text())
+
+    def stop(self):
+        self._neighbour.kill()
+        self._neighbour.wait()
+        (self._group / "memory.limit_in_bytes").write_text("-1")
 
 
 @pytest.fixture
@@ -66,12 +78,13 @@ def group(tmp_path, stack):
     return made
 
 
-def test_without_more_memory_samples_go_on(play, group):
+def test_without_more_memory_samples_go_on(play, group, tmp_path):
     """Much more is published than the limit has room for, so queues are full; afterwards all is as before."""
-    program = ("-c", GROUPED.format(procs=str(group / "cgroup.procs")))
-    scene = play(size=50_000, limit="2 Mbit/s", programs={"a": program})
-    with Tight(group) as fault:
+    scene = play(size=50_000, limit="2 Mbit/s", programs={"a": in_group(group, DAEMON)})
+    with Tight(group, tmp_path / "file") as fault:
         for _ in range(3):
+            hits = fault.hits()
+            wait_until(lambda hits=hits: fault.hits() > hits, what="the limit to be hit again")
             scene.go_on()
         print(f"the limit was hit {fault.hits()} times")
     scene.go_on()
