@@ -104,7 +104,7 @@ man: setup
 # Locks the dependencies of all platforms with their hashes, of developers and of packages; needs uv on the PATH.
 LOCK := uv pip compile --quiet --universal --generate-hashes --python-version 3.11 --no-emit-index-url --no-header \
     --no-annotate --no-strip-extras pyproject.toml
-EXTRAS := completion metrics page record ros2 top
+EXTRAS := completion page record ros2 top
 lock:
 	$(LOCK) --all-extras --group dev --output-file requirements.lock
 	$(LOCK) $(EXTRAS:%=--extra %) --constraints requirements.lock --output-file deploy/debian/requirements.lock

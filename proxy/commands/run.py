@@ -13,7 +13,6 @@ from proxy.commands.config_flags import LAYERS, add_config_flags, reader
 from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_files import standard
 from proxy.errors import ConfigError, ProxyError
-from proxy.extras import needs, there
 from proxy.heap import give_back, keep_together
 from proxy.log import set_up_logging
 from proxy.notices import Notices
@@ -85,9 +84,6 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
         specs = read_specs(config.specs.path)
     except (ConfigError, SpecsError) as error:
         print(error, file=sys.stderr)
-        return exit_codes.CONFIG
-    if config.metrics.listen and not there("prometheus_client"):  # to load it would take long
-        print(f"metrics.listen {needs('metrics')}", file=sys.stderr)
         return exit_codes.CONFIG
     set_up_logging(config.log, os.environ)
     for outdated in config.outdated:

@@ -54,12 +54,8 @@ def _host(config: Config, status: Status | None) -> Iterator[Finding]:
 def _configuration(layered: Layered) -> Iterator[Finding]:
     config, files = layered.config, layered.files
     found = [*config.outdated]
-    for wanted, package, extra in (
-        (config.metrics.listen, "prometheus_client", "metrics"),
-        (config.record.on, "mcap", "record"),
-    ):
-        if wanted and not there(package):
-            found.append(f"{extra} {needs(extra)}")
+    if config.record.on and not there("mcap"):
+        found.append(f"record {needs('record')}")
     yield from (finding("configuration", text) for text in found)
     if not found:
         read = ", ".join(str(source.path) for source in files.sources if source.text) or "no file"

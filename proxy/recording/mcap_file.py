@@ -29,8 +29,9 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from mcap.writer import MCAP0_MAGIC
 
+MAGIC = b"\x89MCAP0\r\n"
+"""What files begin and end with. The library has it where it writes files itself, which loads 1.3 MB besides."""
 _MESSAGE = struct.Struct("<BQHIQQ")
 _INDEX = struct.Struct("<BQHI")
 _CHUNK = struct.Struct("<BQQQQI")
@@ -47,7 +48,7 @@ def _packed(record: McapRecord) -> bytes:
     return bytes(builder.end())  # type: ignore[no-untyped-call]
 
 
-END = _packed(DataEnd(0)) + _packed(Footer(0, 0, 0)) + MCAP0_MAGIC
+END = _packed(DataEnd(0)) + _packed(Footer(0, 0, 0)) + MAGIC
 """What a file without a summary ends with."""
 
 
@@ -74,7 +75,7 @@ class McapFile:
         """Each with how many messages it has of which channel, and its schemas."""
         self._compressor = zstandard.ZstdCompressor(level=1)
         try:
-            self._put(MCAP0_MAGIC + _packed(Header(profile, library)))
+            self._put(MAGIC + _packed(Header(profile, library)))
         except OSError:
             self._file.close()
             path.unlink(missing_ok=True)
@@ -233,7 +234,7 @@ class McapFile:
         summary += offsets
         footer = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offset_start)
         crc = zlib.crc32(footer, zlib.crc32(summary))
-        return bytes(summary) + _packed(Footer(start, offset_start, crc)) + MCAP0_MAGIC
+        return bytes(summary) + _packed(Footer(start, offset_start, crc)) + MAGIC
 
     def _statistics(self) -> Statistics:
         counts = Counter[int]()

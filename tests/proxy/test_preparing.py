@@ -31,7 +31,7 @@ HEAVY = {"numpy", "cv2", "scipy", "matplotlib"}
 """What decisions are computed with."""
 EXTRAS = {"mcap", "prometheus_client", "rich", "shtab", "rosbags"}
 SERVERS = {"asyncio", "email", "html", "http", "socketserver", "ssl", "xml"}
-"""What only metrics are served with. `importlib.metadata` loads some of it, too."""
+"""What only the pages of others are served with, 6 MB of it. `importlib.metadata` loads some of it, too."""
 FOR_MISTAKES = {"difflib", "unicodedata"}
 OTHERS = {
     *("importlib.metadata", "multiprocessing", "csv", "zipfile"),
@@ -44,12 +44,14 @@ IDLE = """
 import sys
 from pathlib import Path
 import proxy.commands.run
-from proxy.config import AppConfig, Config, MeshConfig
+from proxy.config import AppConfig, Config, MeshConfig, MetricsConfig, RecordConfig
 from proxy.daemon import Daemon
 from utility_specs import load_specs
-app, mesh, specs = sys.argv[1:]
+app, mesh, specs, metrics, folder = sys.argv[1:]
 config = Config(
     robot="r0",
+    metrics=MetricsConfig(listen=metrics),
+    record=RecordConfig(on=bool(folder), folder=Path(folder)),
     app=AppConfig(listen=(f"tcp/127.0.0.1:{app}",)),
     mesh=MeshConfig(listen=(f"tcp/127.0.0.1:{mesh}",), scouting=False),
 )
@@ -90,8 +92,16 @@ def specs(tmp_path) -> Path:
 
 def test_a_daemon_that_has_nothing_to_decide_imports_nothing_heavy(specs):
     """That holds with specs in force, as long as nothing that they cover goes through it."""
-    imported = modules(IDLE, free_port(), free_port(), specs)
+    imported = modules(IDLE, free_port(), free_port(), specs, "", "")
     assert (HEAVY | EXTRAS | SERVERS | FOR_MISTAKES | OTHERS).isdisjoint(imported)
+
+
+def test_a_daemon_that_is_watched_imports_no_servers_of_others(specs, tmp_path):
+    """Nor what only reads recordings: OpenSSL, what reads mail and archives would be 8 MB of it."""
+    imported = modules(IDLE, free_port(), free_port(), specs, f"127.0.0.1:{free_port()}", tmp_path / "recordings")
+    assert {"proxy.metrics.exposition", "proxy.recording.snapshots", "proxy.recording.mcap_file"} <= set(imported)
+    others = HEAVY | SERVERS | {"prometheus_client", "lz4", "csv", "zipfile", "importlib.metadata"}
+    assert others.isdisjoint(imported)
 
 
 def test_a_search_of_the_native_engine_needs_no_numpy():

@@ -13,7 +13,8 @@ from prometheus_client.parser import text_string_to_metric_families
 from proxy import exit_codes
 from proxy.errors import MetricsError
 from proxy.metrics import server as served
-from proxy.metrics.server import LARGEST, MetricsServer
+from proxy.metrics.request import LARGEST
+from proxy.metrics.server import MetricsServer
 from tests.daemons import Running
 from tests.ports import free_port
 from tests.proxy.metrics.statuses import status
@@ -203,22 +204,3 @@ def test_a_daemon_that_cannot_serve_them_does_not_start(serve, address):
     assert daemon.process.wait(60) == exit_codes.UNAVAILABLE
     daemon.end()
     assert "metrics.listen: nothing can listen on" in daemon.lines[-1]
-
-
-WITHOUT = "import sys; sys.modules['prometheus_client'] = None; from proxy.cli import main; sys.exit(main())"
-"""A program of daemons where the extra is not installed."""
-
-
-def test_a_daemon_without_the_extra_says_what_to_install(address):
-    """The exit code is that of a wrong configuration: trying again would not help."""
-    daemon = Running("--robot", "r1", "--metrics.listen", address, program=("-c", WITHOUT))
-    assert daemon.process.wait(60) == exit_codes.CONFIG
-    daemon.end()
-    assert daemon.lines == ['metrics.listen needs the extra "metrics": pip install "sendworthy[metrics]"\n']
-
-
-def test_a_daemon_that_serves_none_needs_no_extra():
-    """Nothing of it is imported."""
-    daemon = Running("--robot", "r1", program=("-c", WITHOUT))
-    daemon.wait_for("sendworthy ")
-    assert daemon.end() == exit_codes.OK
