@@ -187,7 +187,7 @@ class Daemon:
         profiler = Profiler(self.robot, self._loop.post, bridge.flush, self._samples)
         opening.callback(profiler.close, TUNING.stop_wait)
         parts = (sides, self._loop, bridge, presence, extractor, neighbours, self._lookout, scouted, self.reloading)
-        status = DaemonStatus(config, *parts, profiler, self.recording)
+        status = DaemonStatus(config, *parts, profiler, self.recording, self._planning)
         self._serve_operator(sides, status, profiler, opening)
         self._serve_fleet(sides, presence, opening)
 

@@ -16,6 +16,7 @@ from proxy.bridge.sides import Sides
 from proxy.config import Config
 from proxy.features import Extractor
 from proxy.loop import Loop
+from proxy.planning import Planning
 from proxy.profiling.profiler import Profiler
 from proxy.recording.recording import Recording
 from proxy.reloading import Reloading
@@ -37,6 +38,7 @@ class DaemonStatus:
     reloading: Reloading
     profiler: Profiler
     recording: Recording
+    planning: Planning
 
     def read(self) -> dict[str, Any]:
         """Return the whole status as plain JSON data."""
@@ -84,6 +86,7 @@ class DaemonStatus:
             *around(self.sides.app, self.sides.mesh, others),
             *self.lookout.warnings(),
             *(self.scouted.warnings() if self.scouted else ()),
+            *self.planning.warnings(clock.monotonic()),
             *self.reloading.warnings(),
             *self.bridge.warnings(),
             *self.recording.warnings(),

@@ -11,8 +11,12 @@ from proxy import clock
 from proxy.core.interface.commands import Decide
 from proxy.core.interface.events import DecisionLate, DecisionReady, Event
 from proxy.loop import Loop
+from proxy.quantities import duration
 from proxy.tuning import TUNING
 from proxy.worker import Decision, Worker
+
+RECENT = 20
+"""Over how many decisions it is told how many are in time."""
 
 
 class Planning:
@@ -26,6 +30,8 @@ class Planning:
         self._ahead = Worker(deadline, loop.post)
         self._told = -1
         """The ticket of the last decision of which the core knows the answer, or that there is none in time."""
+        self._late = self._cut = 0.0
+        """What part of the recent decisions was not there in time, and was cut short."""
 
     def close(self, timeout: float) -> None:
         """Stop after the decisions in hand; wait for them at most `timeout` [s]."""
@@ -64,11 +70,28 @@ class Planning:
 
     def _tell(self, event: DecisionReady | DecisionLate) -> Event:
         self._told = event.ticket
+        late = isinstance(event, DecisionLate)
+        self._late += (late - self._late) / RECENT
+        cut = isinstance(event, DecisionReady) and event.cut
+        self._cut += (cut - self._cut) / RECENT
         return event
 
     def stuck(self, now: float) -> bool:
         """Whether a search does not come to its end."""
         return self._samples.stuck(now) or self._ahead.stuck(now)
+
+    def warnings(self, now: float) -> list[str]:
+        """Say when searches take too long."""
+        if self.stuck(now):
+            return [
+                "the planner hangs in a search, so samples are sent if they fit: see models of your own in the specs"
+            ]
+        slow, more = f"planner.deadline, {duration(self._deadline)}", "sendworthy profile says what takes the time"
+        if self._late > 0.5:
+            return [f"most decisions take longer than {slow}, so samples are sent if they fit; {more}"]
+        if self._cut > 0.5:
+            return [f"most searches are cut short by {slow}, and decide worse than they could; {more}"]
+        return []
 
 
 def _may_last(problem: Problem) -> bool:

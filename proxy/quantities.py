@@ -33,8 +33,9 @@ def duration(seconds: float | None) -> str:
         return f"{seconds * 1e3:.3g} ms"
     if abs(seconds) < 60.0:
         return f"{seconds:.3g} s"
-    minutes, rest = divmod(int(seconds), 60)
-    return f"{minutes} min {rest} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+    minutes, rest = divmod(round(abs(seconds)), 60)
+    sign = "-" if seconds < 0.0 else ""
+    return f"{sign}{minutes} min {rest} s" if minutes < 60 else f"{sign}{minutes // 60} h {minutes % 60} min"
 
 
 def number(value: float | None) -> str:

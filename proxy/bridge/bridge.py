@@ -78,10 +78,11 @@ class Bridge:
         fence = Fence(sides.wake.set)
         self._outward, self._inward = self._make_queries(sides, fence, sourced=sourced)
         self._links = Links(sides.mesh, config.mesh.connect, clock.monotonic())
+        self._app_links = Links(sides.app, config.app.connect, clock.monotonic(), "app")
         self._half_open = HalfOpen(sides.mesh)
         links = (
             self._links,
-            Links(sides.app, config.app.connect, clock.monotonic(), "app"),
+            self._app_links,
             Linger(sides.app),
             Linger(sides.mesh),
             sides.rediscovery,
@@ -226,8 +227,8 @@ class Bridge:
         }
 
     def warnings(self) -> list[str]:
-        """Name what is declared and not mirrored."""
-        return self._rules.warnings()
+        """Name what is dialled and not linked, and what is declared and not mirrored."""
+        return [*self._links.warnings(), *self._app_links.warnings(), *self._rules.warnings()]
 
 
 def _demand(config: Config, sides: Sides, core: CoreLink) -> Demand:

@@ -45,6 +45,10 @@ class Links:
                 self._warned.add(endpoint)
                 log.warning("%s.connect: no link to %s yet; still trying", self._side, endpoint)
 
+    def warnings(self) -> list[str]:
+        """Name what is missed longer than its grace. From any thread."""
+        return [f"{self._side}.connect: no link to {endpoint}; still trying" for endpoint in sorted(self._warned)]
+
     def describe(self) -> list[dict[str, str]]:
         """Return the links there are, for the status."""
         return [{"zid": str(link.zid), "source": link.src, "destination": link.dst} for link in links_of(self._session)]

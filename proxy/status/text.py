@@ -67,7 +67,7 @@ def headline(status: Status, width: int | None = None) -> list[str]:
         f"mode {status.get('mode', UNKNOWN)}",
         *([f"sendworthy {status['version']}"] if status.get("version") else []),
         f"up {duration(status.get('uptime'))}",
-        _specs(status),
+        unspecified(status) or f"specs {status.get('specs', UNKNOWN)}",
         f"coordination {status.get('coordination', UNKNOWN)}",
         f"transport {status.get('transport', UNKNOWN)}",
     )
@@ -107,10 +107,11 @@ def _standing(peer: Status) -> tuple[bool, str]:
     return bool(peer.get("takes_part", True)), str(peer.get("robot"))
 
 
-def _specs(status: Status) -> str:
-    if status.get("specs") == Specs.empty().generation:
-        return f"no specs in {status.get('daemon', {}).get('specs', UNKNOWN)}: everything passes"
-    return f"specs {status.get('specs', UNKNOWN)}"
+def unspecified(status: Status) -> str:
+    """Say where there are no specs, and what that means; nothing where there are any."""
+    if status.get("specs") != Specs.empty().generation:
+        return ""
+    return f"no specs in {status.get('daemon', {}).get('specs', UNKNOWN)}: everything passes"
 
 
 def _counts(counts: Status, width: int | None) -> list[str]:

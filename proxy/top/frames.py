@@ -9,7 +9,7 @@ from proxy.printable import clean
 from proxy.quantities import UNKNOWN, Status, amount, duration, number, share
 from proxy.status.columns import Table, fitted, shortened
 from proxy.status.tables import PEERS
-from proxy.status.text import SHADOWED, headline, wrapped
+from proxy.status.text import ALONE, SHADOWED, headline, unspecified, wrapped
 from proxy.status.warnings import warnings
 from proxy.top.fleet import Changes, Robot, namesakes, robots, rows
 from proxy.top.rates import DROPPED, Change
@@ -116,7 +116,8 @@ def _robot(robot: Robot, view: View, width: int, room: int | None) -> list[Line]
         above += map(Line, wrapped(SHADOWED, width))
     streams = list(robot.by.streams()) if view.all_streams else robot.streams()
     chosen = view.chosen(streams, "key")
-    peers = [Line(""), *_table(PEERS, now.get("peers", ()) if robot.itself else [robot.peer], width)]
+    known = now.get("peers", ()) if robot.itself else [robot.peer]
+    peers = [Line(""), *(_table(PEERS, known, width) if known else map(Line, wrapped(ALONE, width)))]
     if room is None:
         return [*above, Line(""), *_table(LIVE, chosen, width), *peers]
     peers = peers[: PEER_ROWS + 2]
@@ -139,6 +140,8 @@ def _about(robot: Robot, width: int) -> Iterator[Line]:
         return
     lines = headline({**now, "robot": robot.name}, width)
     yield from (Line(line, HEAD) for line in lines[:1])
+    if (none := unspecified(now)) and none not in lines[0]:
+        yield from (Line(line, TIGHT) for line in wrapped(clean(none), width))
     yield from _wrong(warnings(now), width)
 
 

@@ -13,7 +13,7 @@ from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import State
 from proxy.loop import Loop
-from proxy.planning import Planning
+from proxy.planning import RECENT, Planning
 from proxy.tuning import TUNING
 from tests.planner.windows import window
 from tests.utility_specs.models import Slow
@@ -128,10 +128,39 @@ def test_a_search_that_does_not_end_holds_nothing_up(drive):
     decisions = driven.decisions()
     assert (decisions["made"], decisions["late"]) == (0, 5)
     assert driven.planning.stuck(clock.monotonic() + 60.0)
+    assert driven.planning.warnings(clock.monotonic() + 60.0)[0].startswith("the planner hangs in a search")
     Slow.may.set()
     wait_until(lambda: not driven.planning.stuck(clock.monotonic() + 60.0), what="the end of the search")
     assert driven.decisions()["made"] == 0
     assert len(driven.done) == 5
+
+
+def test_a_planner_that_is_mostly_late_is_told(drive):
+    """As long as that is so; one that is late at times is no reason to."""
+    driven = drive(SLOW, 0.005)
+    Slow.may.clear()
+    for _ in range(2 * RECENT):
+        driven.publish()
+    wait_until(lambda: driven.decisions()["late"] == 2 * RECENT, what="decisions that are late")
+    (warning,) = driven.planning.warnings(0.0)
+    assert warning.startswith(
+        "most decisions take longer than planner.deadline, 5 ms, so samples are sent if they fit;"
+    )
+
+
+def test_a_planner_whose_searches_are_mostly_cut_short_is_told(drive, monkeypatch):
+    """It decides in time, but worse than it could."""
+    monkeypatch.setattr("proxy.worker.TUNING", replace(TUNING, search_part=0.0))
+    driven = drive('"sum"', 20.0)
+    for _ in range(2):
+        driven.publish()
+    wait_until(lambda: len(driven.done) == 2, what="two decisions")
+    assert driven.planning.warnings(clock.monotonic()) == []
+    for count in range(2, 2 * RECENT):
+        driven.publish()
+        wait_until(lambda count=count: len(driven.done) > count, what="a decision")
+    (warning,) = driven.planning.warnings(clock.monotonic())
+    assert warning.startswith("most searches are cut short by planner.deadline, 20 s,")
 
 
 def test_what_others_should_send_keeps_no_sample_waiting(drive, monkeypatch):

@@ -11,6 +11,7 @@ from proxy.core.protocol.envelope import READABLE, VERSION
 from proxy.core.view.peer import Peer
 from proxy.core.view.streams import Streams
 from proxy.core.view.tuning import TUNING
+from utility_specs import Specs
 
 
 class MismatchedLimits:
@@ -94,10 +95,10 @@ class MismatchedLimits:
         return now - peer.since > time + TUNING.agreement_per_robot * len(self._peers)
 
     def _warning(self, peer: Peer) -> str:
-        here = self._table.specs.generation
         if not peer.plain:
+            there, here = (_named(each) for each in (peer.specs, self._table.specs.generation))
             return (
-                f"robot {peer.robot} has other limits (specs {peer.specs}, here {here}): nothing keeps what it sends "
+                f"robot {peer.robot} has other limits (specs {there}, here {here}): nothing keeps what it sends "
                 "and what others send within either; give all robots the same constraints"
             )
         if _foreign(peer):
@@ -112,6 +113,10 @@ class MismatchedLimits:
 
 
 _APART = "it takes no part, and nothing keeps what it sends and what others send within the limits"
+
+
+def _named(generation: str) -> str:
+    return "none" if generation == Specs.empty().generation else generation
 
 
 def _foreign(peer: Peer) -> bool:

@@ -18,8 +18,10 @@ def test_an_unreachable_endpoint_is_said_once_and_again_when_linked(stack, caplo
     links = Links(mesh, (endpoint,), 0.0)
     links.check(TUNING.link_grace / 2)
     assert not caplog.records
+    assert links.warnings() == []
     for i in range(5):
         links.check(TUNING.link_grace + 1.0 + i)
+    assert links.warnings() == [f"mesh.connect: no link to {endpoint}; still trying"]
     assert [record.message for record in caplog.records] == [f"mesh.connect: no link to {endpoint} yet; still trying"]
     closing(stack, plain_session("peer", listen=(endpoint,)))
     linked = closing(stack, plain_session("peer", connect=(endpoint,)))
@@ -27,6 +29,7 @@ def test_an_unreachable_endpoint_is_said_once_and_again_when_linked(stack, caplo
     links._session = linked
     links.check(100.0)
     links.check(200.0)
+    assert links.warnings() == []
     assert [record.levelname for record in caplog.records] == ["WARNING", "INFO"]
     assert links.describe()[0]["destination"] == endpoint
 

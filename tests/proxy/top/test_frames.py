@@ -10,6 +10,7 @@ from proxy.top.frames import Scene, frame
 from proxy.top.rates import Change
 from proxy.top.view import View
 from tests.proxy.top.statuses import R1, R2, later
+from utility_specs import Specs
 
 SCENE = Scene({R1["zid"]: Change(R1).then(later(R1))})
 
@@ -139,6 +140,20 @@ def test_what_is_wrong_comes_first():
         "warning: c",
         "and 1 more warnings: see sendworthy status",
     ]
+
+
+def test_a_robot_without_specs_says_that_everything_passes():
+    """Else nobody would see why nothing is decided."""
+    bare = R1 | {"specs": Specs.empty().generation, "daemon": {"specs": "/etc/specs.d"}}
+    scene = Scene({R1["zid"]: Change(bare)})
+    assert lines(scene=scene)[1] == "no specs in /etc/specs.d: everything passes"
+    assert shown(width=200, scene=scene).count("everything passes") == 1
+
+
+def test_a_robot_that_is_alone_says_so():
+    """In place of a table of nobody."""
+    text = lines(scene=Scene({R1["zid"]: Change(R1 | {"peers": []})}))
+    assert "no other robot is on the mesh; samples that nobody there wants stay here and are" in text
 
 
 def test_a_robot_that_takes_no_part_stands_out():

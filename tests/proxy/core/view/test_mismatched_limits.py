@@ -13,7 +13,7 @@ from proxy.core.view.tuning import TUNING
 from studies.simulation.medium import Medium
 from studies.simulation.team import Frame, Team
 from tests.proxy.core.talk import SPEC
-from utility_specs import load_specs
+from utility_specs import Specs, load_specs
 
 ALIEN = 12345
 """What tells other limits than ours."""
@@ -32,9 +32,9 @@ def says(talk, now):
     talk.tell(ev.DigestHeard(now, Digest("op", "zz-op", now, state=1)))
 
 
-def has(talk, now, limits, number=1):
+def has(talk, now, limits, number=1, specs="otherspecs"):
     """The other robot says what limits it has."""
-    state = State("op", "zz-op", "enforce", "otherspecs", (), ("robot/*/camera",), number=number, limits=limits)
+    state = State("op", "zz-op", "enforce", specs, (), ("robot/*/camera",), number=number, limits=limits)
     talk.tell(ev.StateHeard(now, state))
 
 
@@ -45,6 +45,14 @@ def apart(talk):
 
 def warnings(talk, now):
     return [text for text in talk.core.status(now)["warnings"] if "other limits" in text]
+
+
+def test_a_robot_without_specs_is_called_so(talk):
+    """Its generation, all zeros, would tell nobody anything."""
+    has(talk, 1.0, ALIEN, specs=Specs.empty().generation)
+    talk.tell(ev.TimePassed(2.0 + TUNING.agreement_time))
+    (warning,) = warnings(talk, 2.0 + TUNING.agreement_time)
+    assert warning.startswith("robot op has other limits (specs none, here ")
 
 
 def test_who_has_other_limits_for_long_is_left_out_and_named(talk):
