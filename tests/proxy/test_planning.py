@@ -139,13 +139,12 @@ def test_a_planner_that_is_mostly_late_is_told(drive):
     """As long as that is so; one that is late at times is no reason to."""
     driven = drive(SLOW, 0.005)
     Slow.may.clear()
-    for _ in range(2 * RECENT):
+    for count in range(RECENT):
         driven.publish()
-    wait_until(lambda: driven.decisions()["late"] == 2 * RECENT, what="decisions that are late")
+        wait_until(lambda count=count: driven.decisions()["late"] > count, what="a decision that is late")
+        assert count > 2 or driven.planning.warnings(0.0) == []
     (warning,) = driven.planning.warnings(0.0)
-    assert warning.startswith(
-        "most decisions take longer than planner.deadline, 5 ms, so samples are sent if they fit;"
-    )
+    assert warning.startswith("most decisions take longer than planner.deadline, 5 ms, so samples")
 
 
 def test_a_planner_whose_searches_are_mostly_cut_short_is_told(drive, monkeypatch):
