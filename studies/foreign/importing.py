@@ -54,6 +54,8 @@ def make(arguments: argparse.Namespace, bags: Sequence[Path]) -> None:
     """Make the recording, and say what is in it. Raises ImportFailedError, SpecsError or OSError."""
     specs = None if arguments.specs is None else load_set(arguments.specs).specs
     output: Path = arguments.output
+    if not output.parent.is_dir():
+        raise ImportFailedError(f"-o {output}: there is no folder {output.parent}")
     if output.exists() and not arguments.force:
         raise ImportFailedError(f"{output} exists; --force replaces it")
     if any(output.exists() and path.exists() and path.samefile(output) for path in arguments.files):

@@ -85,7 +85,7 @@ def test_several_files_are_one_recording(place, capsys):
         (["t.csv", "-o", "there.mcap"], exit_codes.FAILED, "there.mcap exists; --force replaces it"),
         (["t.csv", "-o", "t.csv", "--force"], exit_codes.FAILED, "t.csv is what is to be imported"),
         (["a", "b", "--robot", "r1"], exit_codes.FAILED, "--robot names the robot of one bag"),
-        (["t.csv", "-o", "no/where.mcap"], exit_codes.FAILED, "No such file or directory"),
+        (["t.csv", "-o", "no/where.mcap"], exit_codes.FAILED, "-o no/where.mcap: there is no folder no"),
     ],
 )
 def test_what_cannot_be_imported_is_told_and_leaves_nothing_behind(place, capsys, arguments, code, message):
