@@ -11,7 +11,6 @@ from proxy import clock
 from proxy.core.interface.commands import Decide
 from proxy.core.interface.events import DecisionLate, DecisionReady, Event
 from proxy.loop import Loop
-from proxy.quantities import duration
 from proxy.tuning import TUNING
 from proxy.worker import Decision, Worker
 
@@ -86,7 +85,7 @@ class Planning:
             return [
                 "the planner hangs in a search, so samples are sent if they fit: see models of your own in the specs"
             ]
-        slow, more = f"planner.deadline, {duration(self._deadline)}", "sendworthy profile says what takes the time"
+        slow, more = f"planner.deadline, {self._deadline * 1e3:g} ms", "sendworthy profile says what takes the time"
         if self._late > 0.5:
             return [f"most decisions take longer than {slow}, so samples are sent if they fit; {more}"]
         if self._cut > 0.5:

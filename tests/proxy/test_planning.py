@@ -159,7 +159,7 @@ def test_a_planner_whose_searches_are_mostly_cut_short_is_told(drive, monkeypatc
         driven.publish()
         wait_until(lambda count=count: len(driven.done) > count, what="a decision")
     (warning,) = driven.planning.warnings(clock.monotonic())
-    assert warning.startswith("most searches are cut short by planner.deadline, 20 s,")
+    assert warning.startswith("most searches are cut short by planner.deadline, 20000 ms,")
 
 
 def test_what_others_should_send_keeps_no_sample_waiting(drive, monkeypatch):
