@@ -5,6 +5,7 @@ import tomllib
 
 import pytest
 
+from proxy.bridge.bounds import BOUNDS
 from proxy.config_loading import load_config
 from tests.docs.pages import PAGES, ROOT, blocks, commands
 from tests.docs.test_guides import RUN as RUN_BESIDE_A_DAEMON
@@ -72,3 +73,11 @@ def test_every_command_is_run_by_a_test(page):
     elsewhere = set(commands(ROOT / "README.md"))
     for command in commands(page):
         assert command in RUN_BESIDE_A_DAEMON | elsewhere, command
+
+
+def test_troubleshooting_says_how_many_declarations_cross():
+    """Who declares more finds the figures under the words of the daemon's warning."""
+    page = (ROOT / "docs" / "guides" / "troubleshooting.md").read_text()
+    (row,) = (line for line in page.splitlines() if "are declared |" in line)
+    for what, most in BOUNDS.crossing.items():
+        assert f"{most:,} {what}" in row
