@@ -24,6 +24,11 @@ to one whose news it lacked, gives way to worse claims, too, for these do not wa
 cameras and small samples two sent at one moment in 4.1 % of the windows, and do so in 0.5 (20 ms, unicast, four seeds),
 with 0.1 % less utility and 6 % fewer bytes; ten robots with equal messages that broadcast had 8.5 % of the windows over
 the limit where 30 % of all was lost, and have 4.2 (three).
+
+Of a stream that never sent a receiver has nothing, so its claim is that of a whole life. Of two such the name decides:
+when each began is known to others from numbers alone, and where they compared that each of two took the other's claim
+for the better one, and both waited. Of eight robots with cameras and small samples, whose applications began 3 s after
+the daemons, the last one's first frame went after 5.2 s in the mean, and goes after 2.4 (one decider: 4.5; four seeds).
 """
 
 import math
@@ -203,8 +208,8 @@ def _strangers(now: float, view: SharedView) -> int:
 
 
 def claim(now: float, stream: Stream) -> Claim:
-    """Return the claim of a stream: of `current` it gains by what it ends, too."""
-    since = max(0.0, now - (stream.began if stream.sent is None else stream.sent.t_sent))
+    """Return the claim of a stream: of `current` it gains by what it ends, too. What never sent has that of a life."""
+    since = TUNING.worthless if stream.sent is None else max(0.0, now - stream.sent.t_sent)
     utility, over = stream.information_type.utility, excess(stream)
     gain = stream.newest.scale * integral(utility, since)
     if over > 0.0:
@@ -214,8 +219,7 @@ def claim(now: float, stream: Stream) -> Claim:
 
 def _theirs(now: float, stream: Stream, ours: Stream) -> Claim:
     """Return the claim of a stream of another robot, as it is compared with that of ours."""
-    close = stream.schedule.period if stream.sent is None else TUNING.claim_tolerance
-    return claim(now + close if stream.robot > ours.robot else now, stream)
+    return claim(now + TUNING.claim_tolerance if stream.robot > ours.robot else now, stream)
 
 
 def both(one: Sequence[float], other: Sequence[float]) -> tuple[float, ...]:

@@ -125,8 +125,7 @@ class CoordinationTuning:
     within 13 ms sent at one moment, where news take 20."""
     claim_tolerance: float = 0.003
     """Clocks and the wire round: who has the later name counts as silent for so much longer, or two take their own
-    claim for the best that are as long silent as each other [s]. Where nothing of a stream was sent it is one period:
-    when it began is known from numbers alone."""
+    claim for the best that are as long silent as each other [s]."""
     due_samples: int = 16
     """Of bursts the newest sample is among so many of a period."""
 

@@ -228,6 +228,29 @@ def test_a_stream_that_never_sent_has_the_claim_of_its_whole_life(view):
     assert theirs.began == pytest.approx(ours.began)
 
 
+@pytest.mark.parametrize("later", [-0.6, -0.1, 0.1, 0.6])
+def test_of_two_streams_that_never_sent_exactly_one_has_the_better_claim(make_specs, later):
+    """However much later one of them began, by less than a period or more: else each would wait for the other."""
+    taken_by = {}
+    for robot, other in (("r1", "r2"), ("r2", "r1")):
+        view = SharedView(CoreSettings(robot, f"z-{robot}"), make_specs(window=0.25))
+        view.add_peer(0.0, other, f"z-{other}")
+        view.subscribers.set_own(("robot/**",))
+        for name in (robot, other):
+            stream = view.streams.touch(0.0, name, f"robot/{name}/camera")
+            stream.matching = True
+            began = later * PERIOD if name == "r2" else 0.0
+            for count in range(100 if name == "r1" or later > 0 else 101):
+                stream.note_generated(count + 1, Generated(began + count * PERIOD, SIZE, 1.0))
+        limits, disputes, now = limits_of(view.specs, 0.02, 2), Disputes(view), 99 * PERIOD + later * PERIOD + 0.01
+        disputes.advance(now, limits, alone=False)
+        ours = view.streams.known(robot, f"robot/{robot}/camera")
+        theirs = view.streams.known(other, f"robot/{other}/camera")
+        taken_by[robot] = Lead(view, disputes).has(now, ours, limits)
+        assert (claim(now, theirs) < claim(now, ours)) is taken_by[robot]
+    assert sorted(taken_by.values()) == [False, True]
+
+
 @pytest.mark.parametrize(("robot", "size", "use"), [("r2", SIZE, SIZE), ("r0", SIZE, 0.0), ("r2", 10, 0.0)])
 def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_streams(make_specs, robot, size, use):
     """A state tells that there is one, not when it is due."""
