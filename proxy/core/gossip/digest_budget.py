@@ -167,7 +167,8 @@ class DigestBudget:
         self._splits, self._quiet, self._window = splits, quiet, window
         self.advance(now)
         if self._saved and not begins:
-            self._saved, self._common = 0.0, min(self._common, 0.0 if splits else self._most)
+            self._saved = 0.0
+            self._common = min(self._common, 0.0 if splits else self._most)
             if splits:
                 self._own = -self._turn * self._size * self._copies
 
@@ -224,6 +225,10 @@ class DigestBudget:
         """When a digest may go out that spends the allowance of so many seconds ahead of time, in our clock [s]."""
         return now + max(0.0, -seconds * self.rate - self._levels(now)[0]) / self.rate
 
+    def due_soon(self, now: float) -> float:
+        """When urgent news may go that spends nothing ahead of time, nor what is saved for the beginning [s]."""
+        return self.due_ahead(now, -self._saved)
+
     def due_in_turn(self, now: float, since: float, seconds: float, copies: int) -> float:
         """When a digest may go out that spends so much ahead of time, if all robots have one since then [s].
 
@@ -265,8 +270,8 @@ class DigestBudget:
 
     @property
     def _most(self) -> float:
-        """So much may be saved of the allowance of all [B]."""
-        return max(TUNING.spare * self.rate, 2.0 * self._size * self._copies)
+        """So much may be saved of the allowance of all [B]; what is for the beginning comes back until that."""
+        return max(TUNING.spare * self.rate, 2.0 * self._size * self._copies, self._saved * self.rate)
 
     def _own_rate(self, common: float) -> float:
         """Our share of what is for ordinary news [B/s]: that is all, as long as announcements leave it."""

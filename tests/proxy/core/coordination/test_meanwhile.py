@@ -1,5 +1,7 @@
 """What a team does until it has agreed on parts for the first time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,14 +11,17 @@ from studies.simulation.traffic.flights import crew
 SECONDS = 8.0
 
 
-def flown(workload, robots, contender, seed=0):
-    """Let a team start all at once; return when it sent [s], and how much each of its windows held at most."""
+def flown(workload, robots, contender, seed=0, later=0.0):
+    """Let a team start all at once; return when it sent [s], and how much each of its windows held at most.
+
+    Applications begin so much `later` [s], from which times count.
+    """
     cell = Cell(workload, robots, 0.02, 0.01, seed, SECONDS - 5.0)
     how = how_of(cell, contender)
     mission = cell.mission(everybody=how.broadcasts)
     team = crew(mission, how, seed)
-    team.run(mission.frames, SECONDS)
-    sent = sorted((air.t, air.size) for air in team.on_air if air.frame is not None)
+    team.run([replace(frame, t_gen=frame.t_gen + later) for frame in mission.frames], SECONDS + later)
+    sent = sorted((air.t - later, air.size) for air in team.on_air if air.frame is not None)
     times, sizes = np.array([t for t, _ in sent]), np.array([size for _, size in sent])
     ends = np.searchsorted(times, times - mission.window, side="right")
     total = np.concatenate([[0], np.cumsum(sizes)])
@@ -30,6 +35,14 @@ def test_a_team_of_equal_messages_sends_its_first_one_as_it_comes(contender, rob
     times, held, _ = flown("uniform-mixed", robots, contender)
     assert times[0] < 0.5
     assert sum(times < 2.5) >= 4
+    assert held.max() <= 1.0
+
+
+def test_a_team_that_was_switched_on_long_before_sends_as_soon():
+    """What it needs to agree on parts is still there, and who has agreed need not announce anything."""
+    times, held, _ = flown("uniform-mixed", 10, "announce/unicast", later=20.0)
+    assert sum(times < 2.5) >= 4
+    assert sum(times < 7.5) >= 10
     assert held.max() <= 1.0
 
 

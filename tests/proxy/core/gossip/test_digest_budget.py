@@ -188,6 +188,18 @@ def test_the_first_agreement_may_take_what_was_saved():
     assert budget.due_ahead(5.0, 0.0) > 5.0
 
 
+def test_what_was_saved_for_the_beginning_is_still_there_however_late_that_is():
+    """What a team tells while nobody sends anything comes back."""
+    budget = budget_of(1000.0, robots=10, saved=15.0)
+    budget.follow(0.0, splits=False, quiet=False, begins=True, window=2.0)
+    for second in range(60):
+        budget.heard(float(second), SIZE, 9)
+    assert budget.due_ahead(60.0, -14.0) == 60.0
+    budget.heard(60.0, SIZE, 9)
+    assert budget.due_ahead(60.0, 0.0) == 60.0
+    assert budget.due_soon(60.0) > 60.0
+
+
 @given(st.lists(st.floats(0.0, 0.6), min_size=1, max_size=60), st.integers(20, 90))
 def test_where_each_has_its_part_no_window_holds_more_than_its_allowance(pauses, size):
     """Of news of parts and of ordinary ones together: parts leave the limit no more than that."""

@@ -216,9 +216,13 @@ def test_what_there_was_no_room_for_shortly_before_the_loss_was_noticed_is_kept(
     for number in range(12):
         talk.alarm(11.0 + 0.01 * number, size=1000)
         talk.settle(11.0 + 0.01 * number, send=number != 3)
+    talk.tell(ev.SampleHeard(11.5, "camera/x", 9000, "zz-unknown", None, {}))
+    for t in (12.02, 12.05):  # the first ones have waited for a window
+        talk.tell(ev.TimePassed(t))
+        talk.settle(t)
     outcomes = talk.core.counts.by_reason
     assert outcomes["dropped:constraint"] > 0
-    talk.vanish(12.0)
+    talk.vanish(12.1)
     assert talk.kept["in"] == 12 - outcomes["dropped:planner"]
 
 
