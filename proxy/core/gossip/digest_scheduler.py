@@ -95,10 +95,18 @@ class DigestScheduler:
         """Whether any digest went out."""
         self._messages = 0
         """Messages that we had put on the air by then."""
+        self._introduces: set[str] = set()
+        """Keys of large streams that the others do not know yet, or not their rhythms."""
 
     def valued(self, stream: Stream) -> None:
         """A sample of ours was valued: the others should hear of it soon if they want it and its value has changed."""
-        self.urgent |= self._news.value_changed(stream) and self._view.subscribers.count(stream) > 0
+        copies = self._view.subscribers.copies(stream)
+        if copies == 0:
+            return
+        self.urgent |= self._news.value_changed(stream)
+        large = self._announcements.changes_plans(round(stream.sizes.mean), copies)
+        if large and self._announcements.needed and self._news.introduces(stream):
+            self._introduces.add(stream.key)
 
     @property
     def gathers_until(self) -> float:
@@ -165,7 +173,7 @@ class DigestScheduler:
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
         if self._parts_changed:
             return min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
-        return min(due, self._budget.due_ahead(now, 0.0)) if self.urgent and not coordination.team.splits else due
+        return min(due, self._budget.due_soon(now)) if self.urgent and not coordination.team.splits else due
 
     def _parts_at(self, now: float) -> float:
         """When the allowance has room for news of parts [s].
@@ -183,10 +191,12 @@ class DigestScheduler:
         return self._view.traffic.messages != self._messages
 
     def _sent_much(self) -> bool:
-        """Whether we sent something since the last digest that changes what others plan."""
-        if not self._announcements.needed or not self._sent_something:
+        """Whether we sent something since the last digest that changes what others plan, or will with a new stream."""
+        if not self._announcements.needed:
             return False
-        return self._announcements.changes_plans(self._view.traffic.largest)
+        if self._introduces:
+            return True
+        return self._sent_something and self._announcements.changes_plans(self._view.traffic.largest)
 
     def _send_news(self, now: float) -> Command:
         """Send a digest, or only the announcement of what was sent where nothing else is due."""
@@ -207,6 +217,7 @@ class DigestScheduler:
                 streams = tuple(each for each in digest.streams if each.id in large)
                 self._announced(self._composer.announcement(now, streams))
         self._messages = self._view.traffic.messages
+        self._introduces.clear()
         self._view.traffic.announced()
         return self._send(now, digest, announces=digest.brief or only_parts)
 
@@ -259,7 +270,7 @@ class DigestScheduler:
         """
         own = list(self._view.streams.own())
         keys = {s.key for s in own if self._announcements.is_large(s)}
-        return self._composer.announcement(now, self._news.take(now, own, keys))
+        return self._composer.announcement(now, self._news.take(now, own, keys, self._introduces))
 
     def _announced(self, digest: Digest) -> None:
         """This announcement goes out, or a digest that says as much: what is broadcast may have to be sent again."""

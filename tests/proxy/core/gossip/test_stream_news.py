@@ -1,5 +1,7 @@
 """What is news of our streams."""
 
+import pytest
+
 from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.view.stream import Generated, Sent, Stream
@@ -54,6 +56,18 @@ def test_many_changes_are_told_the_greatest_first():
     assert len(told) == 32
     assert told[0].scale == 390.0
     assert len(news.take(0.0, many)) == 8
+
+
+def test_a_stream_is_introduced_once_and_its_rhythm_when_it_is_known():
+    """So others know at once when its samples are due."""
+    news, camera = StreamNews(), stream()
+    assert news.introduces(camera)
+    news.take(0.0, [camera])
+    assert not news.introduces(camera)
+    camera.note_generated(2, Generated(2.0, 100, 1.0))
+    assert news.introduces(camera)
+    assert [s.period for s in news.take(2.0, [camera], (), (camera.key,))] == [pytest.approx(1.0, rel=1e-3)]
+    assert not news.introduces(camera)
 
 
 def test_a_value_that_changed_by_a_quarter_is_urgent():
