@@ -1,10 +1,13 @@
 """Who sends first where several robots would send before news of one could reach the others: whose claim is best.
 
-A claim is what a receiver gains by a sample over the one it has. It grows until its stream sends, and what others know
-of that is never newer than what its robot knows. So they take a claim for better than it is, if anything, and no two
-robots both find their own the best. It grows no longer than samples last: where it did, streams that no plan sends held
-back those that all plans send, and ten robots with equal messages of unequal worth reached 79 % of a central decider
-(300 ms, broadcast), and reach 96 now.
+A claim is what a receiver gains by a sample over the one it has, for as long again as it has had that, and a part of
+what the sample is worth by itself. Where it was all of that, streams that send often went before others too often: of
+eight robots with cameras those that saw red sent 20 % more than in the optimum, by the others' rate, and send as much
+now, with equal utility; without that part it would be 10 % less (simulation, 6 Mbit/s carried, six seeds). It grows
+until its stream sends, and what others know of that is never newer than what its robot knows. So they take a claim for
+better than it is, if anything, and no two robots both find their own the best. It grows no longer than samples last:
+where it did, streams that no plan sends held back those that all plans send, and ten robots with equal messages of
+unequal worth reached 79 % of a central decider (300 ms, broadcast), and reach 96 now.
 
 Whose claim is the best waits for the room that any robot leaves, and the others leave it that: four robots with cameras
 sent 2 % more bytes so, and eight 3 %. If all waited several would send at once.
@@ -211,7 +214,8 @@ def claim(now: float, stream: Stream) -> Claim:
     """Return the claim of a stream: of `current` it gains by what it ends, too. What never sent has that of a life."""
     since = TUNING.worthless if stream.sent is None else max(0.0, now - stream.sent.t_sent)
     utility, over = stream.information_type.utility, excess(stream)
-    gain = stream.newest.scale * integral(utility, since)
+    anew = integral(utility, since)
+    gain = stream.newest.scale * ((1.0 + TUNING.claim_worth) * anew - (integral(utility, 2.0 * since) - anew))
     if over > 0.0:
         gain += over * initial(utility) * since
     return gain / max(1.0, stream.sizes.announced or stream.sizes.mean), stream.robot

@@ -123,6 +123,8 @@ class CoordinationTuning:
     """A new stream whose samples are no larger than `seldom_size` leaves room for as many as there are robots that have
     just been met and have not said what they send, for so long [s]: two of ten robots with equal messages that began
     within 13 ms sent at one moment, where news take 20."""
+    claim_worth: float = 0.2
+    """Of what a sample is worth by itself this part counts in a claim."""
     claim_tolerance: float = 0.003
     """Clocks and the wire round: who has the later name counts as silent for so much longer, or two take their own
     claim for the best that are as long silent as each other [s]."""

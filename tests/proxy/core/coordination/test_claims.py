@@ -318,3 +318,15 @@ def test_a_claim_grows_by_what_a_sample_ends(make_specs):
         stream.note_generated(1, Generated(9.9, SIZE, 1.0))
         claims.append(claim(10.0, stream)[0])
     assert claims[1] - claims[0] == pytest.approx(5.0 * 2.0 / SIZE)
+
+
+def test_claims_of_streams_that_send_as_often_as_is_best_for_both_are_alike(make_specs):
+    """With the worth of video that falls by its logarithm it is best to send twice as often what is worth twice."""
+    spec = '[[information_type]]\nname = "camera"\nkeys = ["robot/*/camera"]\nutility.kind = "video"\n'
+    view, claims = SharedView(CoreSettings("r1", "z1"), make_specs(text=spec)), []
+    for scale, ago in ((1.0, 1.0), (2.0, 0.5)):
+        stream = view.streams.touch(0.0, "r1", f"robot/{scale}/camera")
+        stream.note_sent(1, Sent(10.0 - ago, 10.0 - ago, SIZE, scale))
+        stream.note_generated(1, Generated(10.0, SIZE, scale))
+        claims.append(claim(10.0, stream)[0])
+    assert claims[1] == pytest.approx(claims[0], rel=0.1)
