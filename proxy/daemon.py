@@ -165,7 +165,8 @@ class Daemon:
         self.robot = opened.naming.name()
         self._loop = self._make_loop(sides)
         self._planning = self._make_planning()
-        extractor = Extractor(self._loop.post_at, self._live.match, self._loop.lead, self._loop.bring)
+        loop, all_go = self._loop, self._loop.core.parts.gate.appraisal.all_go
+        extractor = Extractor(loop.post_at, self._live.match, loop.lead, loop.bring, all_go)
         self._neighbours = neighbours = Neighbours(sides.app, self.robot, str(sides.mesh.zid()), sides.wake.set)
         opening.callback(neighbours.close)
         hold_back = HoldBack(self._loop.core.view.origins.tag_of)

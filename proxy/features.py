@@ -1,7 +1,9 @@
 """Hands covered samples to the core with their features, extracted off the Zenoh callbacks and off the loop.
 
 Where only the most recent sample of a stream counts, the core is not told of more than it can use: while one of a key
-has not been taken up, a newer one takes its place. That costs neither an extraction nor an event.
+has not been taken up, a newer one takes its place. That costs neither an extraction nor an event. Where all samples of
+a key go whatever else comes none gives way, unless many wait: beside eight busy loops a stream of 500 Hz lost 31 % of
+its samples though all had room.
 What takes longer than its budget is computed in the background, so that no stream waits for another one's features.
 """
 
@@ -30,6 +32,8 @@ class _Place:
     payload: zenoh.ZBytes
     attachment: zenoh.ZBytes | None
     superseded: int = 0
+    ahead: int = 0
+    """How many of its key waited before it, at most, which did not give way."""
 
     def supersede(self, event: SamplePublished, payload: zenoh.ZBytes, attachment: zenoh.ZBytes | None) -> int:
         """Let a newer sample take the place; return the number of the one that had it."""
@@ -44,8 +48,9 @@ class Extractor:
 
     `post_at` runs a job on the loop's thread, not before a time. `lead` has the core take in a sample at once, if that
     only has to be sent on and nothing waits before it, and `bring` does a job on this thread, if nothing waits; both
-    return whether they did. `match` finds the type that covers a key by the specs in force, which change only while
-    nobody else uses the core: it gets no features of others. What waits is bounded by what ingress holds.
+    return whether they did. `goes` says whether all samples of a key go whatever else comes. `match` finds the type
+    that covers a key by the specs in force, which change only while nobody else uses the core: it gets no features of
+    others. What waits is bounded by what ingress holds.
     """
 
     def __init__(
@@ -54,10 +59,12 @@ class Extractor:
         match: Callable[[str], InformationType | None],
         lead: Callable[[SamplePublished], bool] = lambda _: False,
         bring: Callable[[Callable[[], SamplePublished | SampleReread]], bool] = lambda _: False,
+        goes: Callable[[str], bool] = lambda _: False,
     ) -> None:
         self._post_at = post_at
         self._lead = lead
         self._bring = bring
+        self._goes = goes
         self._match = match
         self._jobs: deque[_Place] = deque()
         self._places: dict[str, _Place] = {}
@@ -97,13 +104,15 @@ class Extractor:
         if self._goes_at_once(event, covering):
             return None
         with self._wake:
-            place = self._places.get(event.key)
+            place, ahead = self._places.get(event.key), 0
             if place is not None and not event.delete and not each:
-                self.superseded += 1
-                return place.supersede(event, payload, attachment)
+                if covering.needs_payload or place.ahead >= TUNING.none_gives_way or not self._goes(event.key):
+                    self.superseded += 1
+                    return place.supersede(event, payload, attachment)
+                ahead = place.ahead + 1
             self._places.pop(event.key, None)
             self._add(
-                _Place(event, event.key, covering, payload, attachment),
+                _Place(event, event.key, covering, payload, attachment, ahead=ahead),
                 replaceable=covering.markovian and not event.delete and not each,
             )
             return None
@@ -138,7 +147,7 @@ class Extractor:
                 self._thread.start()
             self._wake.notify()
         else:
-            self._post(place, TUNING.uptake_interval if replaceable else 0.0)
+            self._post(place, TUNING.uptake_interval if replaceable and not place.ahead else 0.0)
 
     def _post(self, place: _Place, pause: float) -> None:
         """Let the loop take up the place when its time has come; the next one of its key `pause` [s] later."""

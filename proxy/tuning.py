@@ -32,6 +32,8 @@ class DaemonTuning:
     jitter of 2 ms each seventh comes less than 2 ms after the one before, and would wake the loop."""
     uptakes: int = 4096
     """Keys of which it is remembered when the core took up a sample."""
+    none_gives_way: int = 64
+    """So many samples of a key that all go may wait for the core before newer ones take their places."""
     costly_jobs: int = 8
     """Samples whose costly features may wait to be extracted; each is held meanwhile."""
 

@@ -270,6 +270,29 @@ def test_what_has_no_features_goes_at_once_where_the_core_takes_it(led, loop):
     assert (taken[-1], loop.posted[-1].sample) == (ahead, 10)
 
 
+def test_where_all_samples_of_a_key_go_none_gives_way_until_many_wait(loop):
+    """Those of other keys give way as before, and so does what takes extraction."""
+    with ExitStack() as stack:
+        extractor = Extractor(loop.post_at, lambda _: loop.covering, goes=lambda key: key in "ac")
+        stack.callback(extractor.close, 1.0)
+        plain, slow = Type(needs_payload=False), Type()
+        slow.gate.clear()
+        gone = {"a": [], "b": [], "c": []}
+        for number in range(TUNING.none_gives_way + 3):
+            gone["a"].append(extractor.submit(sample(number, "a"), plain, payload(number)))
+        for number in range(3):
+            gone["b"].append(extractor.submit(sample(number, "b"), plain, payload(number)))
+        extractor.submit(sample(9, "slow"), slow, payload(9))
+        for number in range(3):
+            gone["c"].append(extractor.submit(sample(number, "c"), slow, payload(number)))
+        slow.gate.set()
+    last = TUNING.none_gives_way
+    assert gone["a"] == [None] * (last + 1) + [last, last + 1]
+    assert gone["b"] == gone["c"] == [None, 0, 1]
+    loop.run()
+    assert [event.sample for event in loop.posted if event.key == "a"] == [*range(last), last + 2]
+
+
 def test_who_extracts_features_brings_the_sample_to_the_core_where_nothing_waits(loop):
     """Where something does it is posted behind that."""
     brought, taking = [], threading.Event()

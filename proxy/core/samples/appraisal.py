@@ -79,6 +79,14 @@ class Appraisal:
             self.all_fits = self.ample = True
         return self.all_fits
 
+    def all_go(self, key: str) -> bool:
+        """Whether all samples of a key of ours go, as far as was seen last: all fit, or nothing disputes these.
+
+        From any thread.
+        """
+        stream = self.view.streams.known(self.view.settings.robot, key)
+        return stream is not None and (self.all_fits or self.disputes.weighed(stream).standing is Standing.UNDISPUTED)
+
     @property
     def looks_at(self) -> float:
         """When it is looked again whether there is room [s]; −∞ where other limits are in force by now."""

@@ -141,6 +141,7 @@ def test_how_a_sample_stands_follows_what_competes(rivals):
     frames, small = (rivals.view.streams.known("r1", key) for key in (CAMERA, SMALL))
     assert rivals.weigh(10.0, small, waiting(SMALL, 10)) is Standing.UNDISPUTED
     assert rivals.weigh(10.0, frames, waiting()) is Standing.CONTESTED
+    assert [rivals.all_go(key) for key in (CAMERA, SMALL, OTHERS)] == [False, True, False]
 
 
 def test_a_copy_leaves_the_room_that_is_booked(rivals):
