@@ -52,6 +52,7 @@ class Recorder:
         self._heads = 0
         """So many heads were given to the output."""
         self._items: deque[Taken | Missing | Head] = deque()
+        self._writing = 0
         self._missing: Missing | None = None
         self._special = True
         """Whether samples that are only passed on are looked at before they are noted."""
@@ -82,8 +83,8 @@ class Recorder:
 
     @property
     def waiting(self) -> int:
-        """Events that wait to be written."""
-        return len(self._items)
+        """Events that wait to be written, or are being written."""
+        return len(self._items) + self._writing
 
     def describe(self) -> dict[str, object]:
         """Return what the status says of it."""
@@ -205,8 +206,10 @@ class Recorder:
     def _write(self) -> None:
         """Write what waits, slice by slice."""
         while self._items:
-            items = [self._items.popleft() for _ in range(min(len(self._items), TUNING.slice))]
+            self._writing = min(len(self._items), TUNING.slice)
+            items = [self._items.popleft() for _ in range(self._writing)]
             self._output.add_all(items)
             if self._payload is not None:
                 self._given += sum([item[4].size for item in items if type(item) is tuple and item[4] is not None])
+            self._writing = 0
             time.sleep(TUNING.pause)
