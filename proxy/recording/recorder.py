@@ -53,6 +53,7 @@ class Recorder:
         """So many heads were given to the output."""
         self._items: deque[Taken | Missing | Head] = deque()
         self._writing = 0
+        """So many of them are being written."""
         self._missing: Missing | None = None
         self._special = True
         """Whether samples that are only passed on are looked at before they are noted."""
