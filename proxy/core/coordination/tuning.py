@@ -101,9 +101,9 @@ class CoordinationTuning:
     """Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
 
     deciding: float = 0.005
-    """What is decided elsewhere is on its way so much later [s]. With twice that ten robots with messages that are worth
-    nearly the same reached 0.4 to 1 % less (broadcast, five limits and four seeds, no window over), and eight with cameras
-    1 % (5 ms, unicast)."""
+    """What is decided elsewhere is on its way so much later [s]. With twice that ten robots with messages that are
+    worth nearly the same reached 0.2 to 1 % less (broadcast, limits of 5, 10 and 20 messages, four seeds, no window
+    over), and eight with cameras 1 % (5 ms, unicast)."""
     late_deviations: float = 2.0
     """A sample may come later than it is due by so many standard deviations of that: with one, eight robots sent as
     many bytes, and 20 times as many windows were over the limit; with three, four robots sent 1 % less..."""
