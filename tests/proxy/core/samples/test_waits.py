@@ -44,8 +44,8 @@ def test_a_sample_gives_way_until_it_is_known_what_a_better_claim_had_sent(rival
 def test_a_sample_that_gave_way_is_dropped_when_a_newer_one_is_there(rivals):
     """Which is decided in its place."""
     sample, commands = rivals.publish(8.2, size=4000)
-    rivals.publish(8.203, size=4000)
-    decided = rivals.answer(8.204, *only(commands, Decide), send=True)
+    rivals.publish(8.2001, size=4000)
+    decided = rivals.answer(8.2002, *only(commands, Decide), send=True)
     assert only(decided, Forward, Drop) == [Drop(sample, "dropped:constraint")]
 
 
