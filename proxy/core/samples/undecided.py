@@ -64,6 +64,11 @@ class Undecided:
     def __iter__(self) -> Iterator[Waiting]:
         return chain(self.inbox, self._unsettled.values(), self._search.deciding())
 
+    def holds(self, key: str) -> bool:
+        """Whether a sample of a key is undecided."""
+        beside = chain(self._unsettled.values(), self._search.deciding())
+        return self.inbox.has(key) or any(waiting.key == key for waiting in beside)
+
     def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Queue a sample; drop what has to leave for it."""
         return [*self._outcomes.evict(now, self.inbox.put(waiting)), *self.pass_deletions()]
