@@ -72,10 +72,6 @@ class Inbox:
             gone.append(self._evict(least, OVERFLOW))
         return gone
 
-    def has(self, key: str) -> bool:
-        """Whether a sample of a key waits."""
-        return key in self._keys
-
     def full(self, new: Waiting) -> bool:
         """Whether one would have to leave for `new` because too many wait."""
         same = 0 if new.markovian else len(self._of(new.key))

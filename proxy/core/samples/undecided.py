@@ -66,8 +66,7 @@ class Undecided:
 
     def holds(self, key: str) -> bool:
         """Whether a sample of a key is undecided."""
-        beside = chain(self._unsettled.values(), self._search.deciding())
-        return self.inbox.has(key) or any(waiting.key == key for waiting in beside)
+        return any(each.key == key for each in self)
 
     def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Queue a sample; drop what has to leave for it."""
