@@ -68,15 +68,15 @@ class Disputes:
         *,
         alone: bool,
         deciding: Stream | None = None,
-        part: float = 1.0,
+        ahead: bool = False,
     ) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
-        It is sooner where a sample is to be decided of a stream that is new, and after a `part` of the usual time.
+        It is sooner where a sample is to be decided of a stream that is new, and `ahead` of all that are to be decided.
         """
         new = deciding is not None and _place(deciding) not in self._weighed
         pause = TUNING.interval_each * len(self._weighed)
-        pause = part * (pause if new else max(TUNING.interval, pause))
+        pause = pause if new else max(TUNING.interval, pause) * (1.0 if ahead else TUNING.overdue)
         if now < self.weighed_at + pause and (self._limits, self._alone) == (limits, alone):
             return
         view, self.weighed_at, self._limits, self._alone = self._view, now, limits, alone

@@ -151,15 +151,12 @@ class Appraisal:
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
     def weigh_ahead(self, now: float) -> None:
-        """Weigh the streams that compete, if it will soon be time to, so that the next sample need not wait for that.
+        """Weigh the streams that compete, if it is time to, so that the next sample need not wait for that."""
+        due = now >= self.disputes.weighed_at + TUNING.interval
+        if due and self.budget.limits and not self.all_fits:
+            self._advance(now, ahead=True)
 
-        That takes about 1 ms, as long as a search and its window together.
-        """
-        soon = now >= self.disputes.weighed_at + TUNING.weighed_ahead * TUNING.interval
-        if soon and self.budget.limits and not self.all_fits:
-            self._advance(now, part=TUNING.weighed_ahead)
-
-    def _advance(self, now: float, deciding: Stream | None = None, part: float = 1.0) -> None:
+    def _advance(self, now: float, deciding: Stream | None = None, *, ahead: bool = False) -> None:
         """Weigh anew how streams stand, if it is time to."""
         usable, alone = self.budget.usable(now), self.budget.alone
-        self.disputes.advance(now, usable, alone=alone, deciding=deciding, part=part)
+        self.disputes.advance(now, usable, alone=alone, deciding=deciding, ahead=ahead)
