@@ -40,7 +40,7 @@ class DaemonTuning:
     """So many samples of a key that all go may wait for the core before newer ones take their places."""
     extracted_at_once: float = 0.005
     """Features that take no longer are extracted by the thread that brings the sample [s]: another one took 0.1 ms to
-    wake on a machine with time, and 5 ms in each fourth case where two cores were busy."""
+    wake on a machine with time, and 3 to 5 ms in each fourth case where two cores were busy."""
     costly_jobs: int = 8
     """Samples whose costly features may wait to be extracted; each is held meanwhile."""
 
