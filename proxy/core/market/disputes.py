@@ -72,11 +72,11 @@ class Disputes:
     ) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
-        It is sooner where a sample is to be decided of a stream that is new, and `ahead` of all that are to be decided.
+        It is sooner where a sample is to be decided of a stream that is new, and `ahead` of samples to come.
         """
         new = deciding is not None and _place(deciding) not in self._weighed
         pause = TUNING.interval_each * len(self._weighed)
-        pause = pause if new else max(TUNING.interval, pause) * (1.0 if ahead else TUNING.overdue)
+        pause = pause if new else max(TUNING.interval, pause) * (TUNING.ahead if ahead else 1.0)
         if now < self.weighed_at + pause and (self._limits, self._alone) == (limits, alone):
             return
         view, self.weighed_at, self._limits, self._alone = self._view, now, limits, alone

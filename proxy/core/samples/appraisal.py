@@ -151,8 +151,8 @@ class Appraisal:
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
     def weigh_ahead(self, now: float) -> None:
-        """Weigh the streams that compete, if it is time to, so that the next sample need not wait for that."""
-        due = now >= self.disputes.weighed_at + TUNING.interval
+        """Weigh the streams that compete, if it soon is time to, so that the next sample need not wait for that."""
+        due = now >= self.disputes.weighed_at + TUNING.ahead * TUNING.interval
         if due and self.budget.limits and not self.all_fits:
             self._advance(now, ahead=True)
 

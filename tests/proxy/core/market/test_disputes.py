@@ -353,7 +353,7 @@ def test_streams_are_weighed_while_no_sample_waits_for_it(talk, send):
     """When one was handed over or dropped, so that the next one finds it done."""
     now, frame, decide = search_begun(talk, 2.0)
     disputes = talk.core.gate.appraisal.disputes
-    before, soon = disputes.weighed_at, now + MARKET.interval * (1.0 + MARKET.overdue) / 2.0
+    before, soon = disputes.weighed_at, now + MARKET.interval * (1.0 + MARKET.ahead) / 2.0
     talk.answer(soon, decide, send=send)
     if send:
         assert disputes.weighed_at == before
