@@ -174,9 +174,17 @@ class Budget:
         return self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
     def _counted(self, now: float, k: int, window: float) -> float:
-        """Return what counts of the window that ends now. Others' samples take as long to leave as ours."""
+        """Return what counts of the window that ends now. Others' samples take as long to leave as ours.
+
+        Whatever others say to have sent, a small part is left to us: for as long as a lie had not been found, three
+        robots kept 11 % of their odometry beside a robot that claimed ten limits.
+        """
         ours = self.own.used(now - window, k)
-        return ours if self.alone else ours + self._others.used(now - window - self.own.leave_after, k, self.limits)
+        if self.alone:
+            return ours
+        others = self._others.used(now - window - self.own.leave_after, k, self.limits)
+        certain = TUNING.certain_part / self._coordination.team.robots if self.limits[k].shared else 0.0
+        return ours + min(others, self.whole(now, k) * (1.0 - certain))
 
     def _sent_by_others(self, now: float, since: float) -> tuple[Send, ...]:
         """Return the uses of samples that others sent, as far as they count."""

@@ -88,6 +88,9 @@ class CoordinationTuning:
     hollow_untold: float = 0.5
     """Where somebody has not told what came of a robot, so much of an equal part is believed: of five robots, of whose
     digests 10 % were lost, one heard nothing of two others for 20 s."""
+    certain_part: float = 0.125
+    """This part of an equal part is left to each robot for small samples whatever others say to have sent, as in
+    `split`."""
     whole_part: float = 0.95
     """Who has so much of a limit may take it all for a message that is larger."""
 
