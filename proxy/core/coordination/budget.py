@@ -88,10 +88,6 @@ class Budget:
         part = self._coordination.meanwhile.confined
         return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 
-    def left(self, now: float) -> list[float]:
-        """What we may use of each constraint within the window that ends now, our own sends included."""
-        return [max(0.0, room + self.used(now, k)) for k, room in enumerate(self.free(now))]
-
     def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
         """Name the constraints that leave no room for a message with this use now."""
         if now < self._mute_until and changes_plans(use, self.limits):
@@ -103,6 +99,14 @@ class Budget:
                 if not self._fits(now, k, amount)
             ]
         )
+
+    def certain(self, now: float, use: tuple[float, ...]) -> bool:
+        """Whether a message is within the part of what robots share that is left to us whatever others say."""
+        part = self._coordination.certain
+        if self.alone or part <= 0.0:
+            return False
+        shared = [k for k, limit in enumerate(self.limits) if limit.shared]
+        return all(self.used(now, k) + use[k] <= part * self.whole(now, k) for k in shared)
 
     def opens(self, now: float, use: tuple[float, ...], *, anybodys: bool = False) -> float:
         """When the room opens for a message that our sends, or `anybodys`, leave [s]; −∞ where it is there, else ∞.
@@ -183,8 +187,10 @@ class Budget:
         if self.alone:
             return ours
         others = self._others.used(now - window - self.own.leave_after, k, self.limits)
-        certain = TUNING.certain_part / self._coordination.team.robots if self.limits[k].shared else 0.0
-        return ours + min(others, self.whole(now, k) * (1.0 - certain))
+        certain = self._coordination.certain
+        if certain > 0.0 and self.limits[k].shared:
+            return ours + min(others, self.whole(now, k) * (1.0 - certain))
+        return ours + others
 
     def _sent_by_others(self, now: float, since: float) -> tuple[Send, ...]:
         """Return the uses of samples that others sent, as far as they count."""
