@@ -59,7 +59,7 @@ def test_beside_a_liar_each_robot_keeps_its_share(play, stack, kind):
     urgent = Numbers(scene.application(scene.others[0]), "urgent")
     Numbers(scene.application(scene.others[0]), KEY)
     wait_until(lambda: "urgent" in scene.first.status()["daemon"]["observed"], what="demand")
-    speaker = Speaker(scene.application(scene.first), "urgent", size=100, rate=20)
+    speaker = Speaker(scene.application(scene.first), "urgent", size=20, rate=20)
     stack.callback(speaker.stop)
     puppet = Puppet("liar", *(robot.mesh for robot in scene.robots.values()))
     stack.callback(puppet.close)

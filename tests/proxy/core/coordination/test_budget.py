@@ -195,17 +195,17 @@ def test_room_grew_last_when_a_large_send_left_the_window(make_budget):
 
 
 def test_a_little_is_ours_whatever_others_say(make_budget):
-    """An eighth of an equal part; more of it only while we use less, and nothing that is not shared."""
+    """An eighth of an equal part, for messages of a quarter of it at most; nothing of what is not shared."""
     budget, view = make_budget(BYTES, ENERGY, peers=4)
     budget._coordination.certain = TUNING.certain_part / 5
     heard(view, 1.0, 1_000_000)
-    assert not budget.lacking(1.1, (24.0, 0.1))
-    assert budget.certain(1.1, (24.0, 0.1))
-    assert budget.lacking(1.1, (26.0, 0.1)) == ("bytes",)
-    assert not budget.certain(1.1, (26.0, 0.1))
-    budget.use(1.1, (20.0, 2.0))
-    assert budget.certain(1.2, (4.0, 0.1))
-    assert budget.lacking(1.2, (4.0, 2.0)) == ("energy",)
-    assert not budget.certain(1.2, (10.0, 0.1))
-    assert budget.lacking(1.2, (10.0, 0.1)) == ("bytes",)
-    assert not budget.lacking(2.2, (10.0, 0.1))
+    for number in range(4):
+        assert budget.lacking(1.1, (7.0, 0.1)) == ("bytes",)
+        assert not budget.certain(1.1, (7.0, 0.1))
+        assert not budget.lacking(1.1, (6.0, 0.1)), number
+        assert budget.certain(1.1, (6.0, 0.1))
+        assert budget.opens(1.1, (6.0, 0.1)) == -math.inf
+        budget.use(1.1, (6.0, 0.6))
+    assert budget.lacking(1.2, (6.0, 1.0)) == ("bytes", "energy")
+    assert not budget.certain(1.2, (6.0, 0.1))
+    assert not budget.lacking(2.2, (6.0, 0.1))
