@@ -84,7 +84,9 @@ class Budget:
 
     def free(self, now: float) -> list[float]:
         """What may still be sent now of each constraint; less than nothing where too much was sent."""
-        free = [self.whole(now, k) - self._counted(now, k, limit.window, math.inf) for k, limit in enumerate(self.limits)]
+        free = [
+            self.whole(now, k) - self._counted(now, k, limit.window, math.inf) for k, limit in enumerate(self.limits)
+        ]
         part = self._coordination.meanwhile.confined
         return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 
@@ -182,9 +184,8 @@ class Budget:
     def _counted(self, now: float, k: int, window: float, amount: float) -> float:
         """Return what counts for a message of this amount of the window that ends now.
 
-        Others' samples take as long to leave as ours. Whatever others say to have sent, a little is left to us for small
-        messages: for as long as a lie had not been found, three robots kept 11 % of their odometry beside a robot that
-        claimed ten limits.
+        Others' samples take as long to leave as ours. Whatever others say to have sent, a little is left to us for
+        small messages: beside a robot that claimed ten limits two sent 11 % of their odometry until that was found out.
         """
         ours = self.own.used(now - window, k)
         if self.alone:
