@@ -30,6 +30,7 @@ from proxy.core.window.window import WindowBuilder
 
 CONSTRAINT = "dropped:constraint"
 OWED, UNNEEDED = Why("forwarded", Shortcut.OWED), Why("forwarded", Shortcut.UNNEEDED)
+CERTAIN = Why("forwarded", Shortcut.CERTAIN)
 
 
 class Gate:
@@ -238,7 +239,10 @@ class Gate:
         return self.outcomes.pass_on(sample.sample, "passed:unwanted")
 
     def _weigh(self, now: float, stream: Stream, sample: Waiting, use: Use) -> Command:
-        """Decide by what room costs, or where that is disputed by a search."""
+        """Decide by what room costs, or where that is disputed by a search; a little goes whatever others claim."""
+        if self._budget.certain(now, use):
+            self.decisions.count(Shortcut.CERTAIN)
+            return self.outcomes.send(now, stream, sample, use, CERTAIN)
         standing = self.appraisal.weigh(now, stream, sample)
         if standing in (Standing.UNDISPUTED, Standing.HOPELESS):
             sends = standing is Standing.UNDISPUTED
