@@ -3,7 +3,7 @@
 It may be spent ahead of time (`digest_budget.py`): then a window holds more digests than the limits leave room for.
 What is more counts against the limits as samples of others do. Without that 5.8 % of the windows of the first 8 s of
 eight robots with cameras and small samples were over the limit, by up to 1.30, and are now 1.0, by 1.10 (2 ms, eight
-seeds); of eight with cameras alone 1.1 % were, and at most 0.1 are.
+seeds); of eight with cameras alone 1.1 % were, and 0.1 are.
 """
 
 import math
