@@ -15,6 +15,7 @@ LABEL = 11
 CAUSES: Mapping[tuple[str, str], str] = {
     ("forwarded", "unneeded"): "there was room for all",
     ("forwarded", "owed"): "a guarantee of its type demanded it",
+    ("forwarded", "certain"): "it is small, and each robot keeps a little room for that whatever others say",
     ("forwarded", "undisputed"): "it earns what room costs",
     ("forwarded", "search"): "it is worth more than others for what was left",
     ("dropped:planner", "hopeless"): "it does not earn what room costs",

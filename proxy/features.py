@@ -1,4 +1,7 @@
-"""Hands covered samples to the core with their features, extracted off the Zenoh callbacks and off the loop.
+"""Hands covered samples to the core with their features, extracted off the loop.
+
+The thread that brings a sample extracts them itself where they are known to be quick and no other sample waits: to wake
+another one takes long where the cores are busy. It has as much time for all else, for it is one of Zenoh's.
 
 Where only the most recent sample of a stream counts, the core is not told of more than it can use: while one of a key
 has not been taken up, a newer one takes its place. That costs neither an extraction nor an event. Where all samples of
@@ -7,6 +10,7 @@ its samples though all had room.
 What takes longer than its budget is computed in the background, so that no stream waits for another one's features.
 """
 
+import math
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -72,6 +76,10 @@ class Extractor:
         self._noting = threading.Lock()
         self._wake = threading.Condition()
         self._open = True
+        self._extracting = False
+        """Whether a thread sees to a sample: one at a time, so that none overtakes another of its key."""
+        self._free_at = -math.inf
+        """When a thread that brings a sample may see to it [s]."""
         self._thread = threading.Thread(target=self._run, name="features", daemon=True)
         self._background = Background()
         self.superseded = 0
@@ -101,7 +109,7 @@ class Extractor:
         needs no payload does not wait for what does. A delete has no features, but waits its turn behind the samples
         of its key, and those that come later wait behind it.
         """
-        if self._goes_at_once(event, covering):
+        if self._goes_at_once(event, covering) or self._extracts_at_once(event, covering, payload, attachment):
             return None
         with self._wake:
             place, ahead = self._places.get(event.key), 0
@@ -125,6 +133,32 @@ class Extractor:
             return False
         if covering.markovian:
             self._take_up(key, max(due, now) + TUNING.uptake_interval)
+        return True
+
+    def _extracts_at_once(
+        self,
+        event: SamplePublished,
+        covering: InformationType,
+        payload: zenoh.ZBytes,
+        attachment: zenoh.ZBytes | None,
+    ) -> bool:
+        """Whether the core has a sample, with quick features, before which none waits for its own."""
+        if not covering.needs_payload or event.delete or event.now < self._free_at or self._jobs or self._extracting:
+            return False
+        if event.key in self._places or not covering.extracts_within(event.key, TUNING.extracted_at_once):
+            return False
+        with self._wake:
+            if not self._open or self._jobs or self._extracting:
+                return False
+            self._extracting = True
+        try:
+            self._see_to(_Place(event, event.key, covering, payload, attachment))
+        finally:
+            now = clock.monotonic()
+            with self._wake:
+                self._extracting, self._free_at = False, now + (now - event.now)
+                if self._jobs:
+                    self._wake.notify()
         return True
 
     def reread(
@@ -167,15 +201,22 @@ class Extractor:
     def _run(self) -> None:
         while True:
             with self._wake:
-                while self._open and not self._jobs:
+                while self._open and (self._extracting or not self._jobs):
                     self._wake.wait()
                 if not self._open:
                     return
+                self._extracting = True
                 place = self._jobs.popleft()
-            event = self._taken(place)
-            job = partial(self._current, place, event)
-            if not self._bring(job):
-                self._post_at(event.now, job)
+            self._see_to(place)
+            with self._wake:
+                self._extracting = False
+
+    def _see_to(self, place: _Place) -> None:
+        """Extract the features of the sample in a place, and have the core take it in."""
+        event = self._taken(place)
+        job = partial(self._current, place, event)
+        if not self._bring(job):
+            self._post_at(event.now, job)
 
     def _taken(self, place: _Place) -> SamplePublished | SampleReread:
         """Close the place, and return the sample that is in it with its features."""

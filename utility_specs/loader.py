@@ -71,10 +71,14 @@ def load_set(paths: Sequence[Path]) -> SpecSet:
 
 
 def spec_files(path: Path) -> list[Path]:
-    """Return the files that a path stands for: of a folder its `*.toml`, sorted by name; raises OSError."""
+    """Return the files that a path stands for: of a folder its `*.toml`, sorted by name; raises OSError.
+
+    Hidden ones are not meant: editors put locks there, such as `.#camera.toml`, which lead nowhere.
+    """
     if not path.is_dir():
         return [path]
-    return sorted(file for file in path.iterdir() if file.suffix == ".toml")  # `glob` hides that it may not look
+    # `glob` hides that it may not look
+    return sorted(file for file in path.iterdir() if file.suffix == ".toml" and not file.name.startswith("."))
 
 
 def holds_specs(path: Path) -> bool:

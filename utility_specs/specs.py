@@ -196,6 +196,14 @@ class InformationType:
         """Return all features, those that are not given by default."""
         return {name: features.get(name, feature.default) for name, feature in self.features}
 
+    def extracts_within(self, key: str, most: float) -> bool:
+        """Whether the features of a sample of a key are known to take at most so long each [s]."""
+        return all(
+            not feature.reads_payload
+            or (feature.ends and self.paces.of(name, key, feature.default).quick(min(most, feature.budget)))
+            for name, feature in self.features
+        )
+
     def extract(
         self,
         key: str,

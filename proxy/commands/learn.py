@@ -186,8 +186,11 @@ def _check(text: str) -> None:
 
 def _check_free(path: Path, *, force: bool) -> None:
     """Raise OutputError where a file stands in the way."""
-    if path.exists() and not force:
-        raise OutputError(f"{path} exists; --force replaces it")
+    try:
+        if path.exists() and not force:
+            raise OutputError(f"{path} exists; --force replaces it")
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror}") from None
 
 
 def _opened(path: Path) -> BinaryIO:

@@ -86,10 +86,10 @@ def run(arguments: argparse.Namespace) -> int:
         try:
             arguments.flame.write_text(flame(profile), encoding="utf-8")
         except OSError as error:
-            return _failed(error, exit_codes.FAILED)
+            return _failed(f"cannot write {arguments.flame}: {error.strerror}", exit_codes.FAILED)
     return exit_codes.OK
 
 
-def _failed(error: Exception, code: int) -> int:
+def _failed(error: object, code: int) -> int:
     print(f"sendworthy profile: {error}", file=sys.stderr)
     return code

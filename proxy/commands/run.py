@@ -16,7 +16,7 @@ from proxy.errors import ConfigError, ProxyError
 from proxy.heap import give_back, keep_together
 from proxy.log import set_up_logging
 from proxy.notices import Notices
-from proxy.priority import raise_priority
+from proxy.priority import lengthen_slice, raise_priority
 from proxy.reloading import Reloading, read_specs
 from proxy.requests import Requests
 from proxy.service import Service
@@ -88,7 +88,9 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
     set_up_logging(config.log, os.environ)
     for outdated in config.outdated:
         log.warning("%s", outdated)
-    if not raise_priority():  # before there are other threads: each takes after the one that starts it
+    if raise_priority():  # before there are other threads: each takes after the one that starts it
+        lengthen_slice()
+    else:
         log.debug("not allowed to raise the priority of the daemon: beside busy processes it hears and decides late")
     try:
         closed = serve(config, specs, asked, standard(arguments.config), lambda: layered().config)

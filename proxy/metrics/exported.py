@@ -21,7 +21,7 @@ def _modes(status: Status) -> Iterator[Row]:
 
 
 def _shortcuts(status: Status) -> Iterator[Row]:
-    for kind in ("unneeded", "undisputed", "hopeless", "would_drop", "owed", "unkept", "late"):
+    for kind in ("unneeded", "certain", "undisputed", "hopeless", "would_drop", "owed", "unkept", "late"):
         yield (kind,), status["decisions"][kind]
 
 

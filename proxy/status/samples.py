@@ -81,6 +81,7 @@ class Decisions(Part):
     utility: float = field("what the plans of all bounded decisions earn", WORTH)
     would_drop: int = field("samples that went in shadow, and that enforce would have dropped", COUNT)
     unneeded: int = field("samples that went without a search, as there was room for all", COUNT)
+    certain: int = field("small samples that went without a search, whatever others said to send", COUNT, default=0)
     undisputed: int = field("samples that went without a search, as they earn what room costs", COUNT)
     hopeless: int = field("samples that were dropped without a search, as they do not earn what room costs", COUNT)
     owed: int = field("samples that went because a guarantee demanded them", COUNT)

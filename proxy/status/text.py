@@ -19,6 +19,7 @@ LEAST_TOLD = 20
 """What is told behind something else has so many columns at least."""
 WITHOUT_SEARCH = {
     "unneeded": "{} more samples went while there was room for all",
+    "certain": "{} more samples went as they are small, and others left them little room",
     "undisputed": "{} more samples went as they earn what room costs",
     "hopeless": "{} were dropped as they do not earn what room costs",
     "would_drop": "{} would be dropped in enforce",

@@ -32,8 +32,10 @@ def once(endpoints: Sequence[str], view: View, interval: float) -> bool:
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = WIDTH
-    for line in frame(scene, view, console.width)[:-1]:
-        console.print(_text(line), no_wrap=True)
+    with console.capture() as drawn:  # rich would end the process where nobody reads on
+        for line in frame(scene, view, console.width)[:-1]:
+            console.print(_text(line), no_wrap=True)
+    print(drawn.get(), end="", flush=True)
     return view.found
 
 

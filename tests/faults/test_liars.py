@@ -10,6 +10,8 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.full
 KEY = "camera/liar"
+SMALL, SMALL_PART = "camera/small", 0.95
+"""What each robot has room for whatever is claimed, and how much of that comes at least; a sample may be on its way."""
 SHARE = 0.9 / 3
 """Of three robots, less what news and whole samples take of it."""
 LIMIT, SIZE, RATE = 50_000, 500, 50
@@ -57,23 +59,31 @@ def test_beside_a_liar_each_robot_keeps_its_share(play, stack, kind):
     urgent = Numbers(scene.application(scene.others[0]), "urgent")
     Numbers(scene.application(scene.others[0]), KEY)
     wait_until(lambda: "urgent" in scene.first.status()["daemon"]["observed"], what="demand")
-    speaker = Speaker(scene.application(scene.first), "urgent", size=100, rate=20)
+    speaker = Speaker(scene.application(scene.first), "urgent", size=20, rate=20)
     stack.callback(speaker.stop)
     puppet = Puppet("liar", *(robot.mesh for robot in scene.robots.values()))
     stack.callback(puppet.close)
     wait_until(lambda: "liar" in scene.first.peers(), what="the liar")
     first = speaker.said
+    small = Numbers(scene.application(scene.others[0]), SMALL)
+    voice = Speaker(scene.application(scene.first), SMALL, size=20, rate=5)
+    stack.callback(voice.stop)
+    wait_until(lambda: small.heard, what="small samples")
     with Lies(puppet, kind):
-        now = speaker.said
+        now, begun, came = speaker.said, voice.said, len(small.heard)
         wait_until(lambda: urgent.last > now, what="what bypasses")
         wait_until(lambda: kept(scene), 60.0, "an equal part")
+        part = (len(small.heard) - came) / (voice.said - begun)
+        print(f"{part:.2f} of the small samples came")
+        assert part >= SMALL_PART, "a liar cost small samples"
+    voice.stop()
     puppet.close()
     scene.meet()
     scene.go_on(10.0)
     speaker.stop()
     wait_until(lambda: urgent.last == speaker.said - 1, what="the last of what bypasses")
     assert len(urgent.heard) >= speaker.said - first, "what bypasses was held up"
-    scene.finish(most=scene.speaker.said + speaker.said)
+    scene.finish(most=scene.speaker.said + speaker.said + voice.said)
 
 
 def kept(scene):

@@ -77,6 +77,7 @@ def test_what_is_no_folder_or_no_toml_is_not_read(tmp_path):
     (tmp_path / "conf.d").unlink()
     (tmp_path / "conf.d").mkdir()
     (tmp_path / "conf.d" / "a.toml.dpkg-dist").write_text("= nonsense")
+    (tmp_path / "conf.d" / ".#a.toml").symlink_to("user@host.1234:1")
     assert ConfigFiles.read(tmp_path / "sendworthy.toml").unread == ()
 
 

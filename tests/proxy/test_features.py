@@ -1,4 +1,4 @@
-"""Features are extracted in order, off the caller's thread; where only the latest sample counts, only of that."""
+"""Features are extracted in order; where only the latest sample counts, only of that."""
 
 import threading
 from contextlib import ExitStack
@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 import zenoh
 
+from proxy import clock
 from proxy import features as features_module
 from proxy.core.interface.events import SamplePublished, SampleReread
 from proxy.features import Extractor
@@ -15,20 +16,26 @@ from tests.waiting import wait_until
 
 
 class Type:
-    """An information type whose feature is the payload's number; `gate` holds it up."""
+    """An information type whose feature is the payload's number; `gate` holds it up. `quick`: it is known to be."""
 
     name = "test"
     features = ("n",)
+    quick = False
+
+    def extracts_within(self, _key, _most):
+        return self.quick
 
     def __init__(self, *, needs_payload=True, markovian=True):
         self.needs_payload = needs_payload
         self.markovian = markovian
         self.gate = threading.Event()
         self.gate.set()
+        self.begun = 0
         self.extracted = []
         self.attached = []
 
     def extract(self, key, payload, attachment, _background):
+        self.begun += 1
         assert self.gate.wait(60.0)
         self.extracted.append((key, bytes(payload)))
         self.attached.append(attachment)
@@ -314,6 +321,56 @@ def test_who_extracts_features_brings_the_sample_to_the_core_where_nothing_waits
         wait_until(lambda: loop.posted, what="the second one")
     assert [(event.sample, name) for event, name in brought] == [(1, "features")]
     assert [event.sample for event in loop.posted] == [2]
+
+
+def submit_here(extractor, covering, *numbers, now=0.0, key="k"):
+    for number in numbers:
+        extractor.submit(sample(number, key, now=now), covering, payload(number))
+
+
+def test_who_brings_a_sample_extracts_what_is_quick(loop):
+    """Not a delete, nor what takes long, nor again before it had as much time for all else."""
+    threads = []
+
+    def bring(job):
+        threads.append((job().sample, threading.current_thread() is threading.main_thread()))
+        return True
+
+    with ExitStack() as stack:
+        extractor = Extractor(loop.post_at, lambda _: loop.covering, bring=bring)
+        stack.callback(extractor.close, 1.0)
+        covering = loop.covering = Type()
+        covering.quick = True
+        now = clock.monotonic()
+        submit_here(extractor, covering, 1, now=now)
+        submit_here(extractor, covering, 2, now=now)
+        wait_until(lambda: len(threads) == 2, what="the second sample")
+        submit_here(extractor, covering, 3, now=now + 60.0)
+        extractor.submit(sample(4, now=now + 120.0, delete=True), covering, payload(4))
+        wait_until(lambda: len(threads) == 4, what="the delete")
+        covering.quick = False
+        submit_here(extractor, covering, 5, now=now + 180.0)
+        wait_until(lambda: len(threads) == 5, what="the one that takes long")
+    assert threads == [(1, True), (2, False), (3, True), (4, False), (5, False)]
+
+
+def test_none_overtakes_a_sample_that_is_being_extracted(loop):
+    """Whoever extracts it; those that wait meanwhile are seen to when that is done."""
+    with ExitStack() as stack:
+        extractor = Extractor(loop.post_at, lambda _: loop.covering)
+        stack.callback(extractor.close, 1.0)
+        covering = loop.covering = Type(markovian=False)
+        covering.quick = True
+        covering.gate.clear()
+        first = threading.Thread(target=submit_here, args=(extractor, covering, 1))
+        first.start()
+        wait_until(lambda: covering.begun, what="the first sample")
+        submit_here(extractor, covering, 2, 3, now=60.0)
+        assert not covering.extracted
+        covering.gate.set()
+        first.join()
+        wait_until(lambda: loop.run() or len(loop.posted) == 3, what="the others")
+    assert [number for _, number in covering.extracted] == [b"1", b"2", b"3"]
 
 
 def test_what_has_features_is_extracted_first(led, loop):

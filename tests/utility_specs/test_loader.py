@@ -67,6 +67,8 @@ def test_a_folder_is_one_set_of_all_its_files_by_name(tmp_path):
     """Types and constraints of all `*.toml` add up by the names of the files; others are left alone."""
     folder = write(tmp_path, b=GOOD, a=SECOND, c='[[constraint]]\nkind = "throughput"\nlimit = "1 kB/s"\n')
     (folder / "README.md").write_text("not a spec")
+    (folder / ".#a.toml").symlink_to("user@host.1234:1")
+    (folder / "._a.toml").write_bytes(b"\x00\x05\x16\x07")
     specs = load_specs(folder)
     assert [each.name for each in specs.types] == ["pose", "camera"]
     assert [each.name for each in specs.constraints] == ["throughput", "throughput 2"]

@@ -22,6 +22,8 @@ class Feature(ABC):
 
     reads_payload: ClassVar[bool] = True
     """Whether `measure` looks at more than the key; when no feature does, nobody copies the payload."""
+    ends: ClassVar[bool] = True
+    """Whether `measure` surely comes to an end: a function of an operator's own may not."""
 
     @abstractmethod
     def measure(self, sample: Sample) -> float:

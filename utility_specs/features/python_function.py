@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
 
@@ -14,6 +14,8 @@ from utility_specs.imports import imported
 @dataclass(frozen=True, slots=True)
 class PythonFunction(Feature):
     """What the function returns for key and payload."""
+
+    ends: ClassVar[bool] = False
 
     function: Callable[[str, bytes], Any]
 

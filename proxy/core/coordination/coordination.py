@@ -55,6 +55,8 @@ class Coordination:
         """What others claim and nobody confirms."""
         self.keeps = 0.0
         """The part that we keep to, where claims of others are hollow: nothing that they send counts against it."""
+        self.certain = 0.0
+        """The part that we have for small samples whatever others say; none where nobody else sends."""
         self.told: SplitReport | None = None
         """What our last digest said of parts."""
         self._forms_until, self._did_split = now + TUNING.forming_time, self.team.strict
@@ -182,6 +184,7 @@ class Coordination:
                 self.hollow.advance(now, self._view, limits, splits=self.team.splits)
             self.keeps = self.hollow.equal_part(self._view) if self.hollow.found(now) else 0.0
             self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
+            self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
             if self._split is not None:
                 self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
             if self._overbooks:

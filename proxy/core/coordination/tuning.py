@@ -88,6 +88,12 @@ class CoordinationTuning:
     hollow_untold: float = 0.5
     """Where somebody has not told what came of a robot, so much of an equal part is believed: of five robots, of whose
     digests 10 % were lost, one heard nothing of two others for 20 s."""
+    certain_part: float = 0.125
+    """This part of an equal part is left to each robot for small samples whatever others say to have sent, as in
+    `split`."""
+    certain_message: float = 0.25
+    """A message takes no more than so much of that: else two of 500 B took all of it every time, and half of those of
+    20 B beside them were dropped."""
     whole_part: float = 0.95
     """Who has so much of a limit may take it all for a message that is larger."""
 

@@ -35,7 +35,8 @@ class Disputes:
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
-        self._weighed_at = -math.inf
+        self.weighed_at = -math.inf
+        """When it was weighed how streams stand [s]."""
         self.revision = 0
         """How often it was weighed how streams stand."""
         self._limits: tuple[Limit, ...] = ()
@@ -60,19 +61,25 @@ class Disputes:
         self.stretched = 0.0
         """How much longer than planned it may take to send several, one after the other [s]."""
 
-    def advance(self, now: float, limits: tuple[Limit, ...], *, alone: bool, deciding: Stream | None = None) -> None:
+    def advance(
+        self,
+        now: float,
+        limits: tuple[Limit, ...],
+        *,
+        alone: bool,
+        deciding: Stream | None = None,
+        ahead: bool = False,
+    ) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
-        It is sooner where a sample is to be decided of a stream that is new.
+        It is sooner where a sample is to be decided of a stream that is new, and `ahead` of samples to come.
         """
         new = deciding is not None and _place(deciding) not in self._weighed
         pause = TUNING.interval_each * len(self._weighed)
-        if now < self._weighed_at + (pause if new else max(TUNING.interval, pause)) and (self._limits, self._alone) == (
-            limits,
-            alone,
-        ):
+        pause = pause if new else max(TUNING.interval, pause) * (TUNING.ahead if ahead else 1.0)
+        if now < self.weighed_at + pause and (self._limits, self._alone) == (limits, alone):
             return
-        view, self._weighed_at, self._limits, self._alone = self._view, now, limits, alone
+        view, self.weighed_at, self._limits, self._alone = self._view, now, limits, alone
         competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
         self._new = count_new(now, competing, limits)
         rows = [self._row(now, stream) for stream in competing] if limits else []
@@ -99,7 +106,7 @@ class Disputes:
         Or where other limits are in force now.
         """
         named = [limit.name for limit in limits]
-        if self._weighed_at < now - TUNING.known or [limit.name for limit in self._limits] != named:
+        if self.weighed_at < now - TUNING.known or [limit.name for limit in self._limits] != named:
             return None
         return (0.0,) * len(limits) if self._market is None else self._market.prices
 

@@ -150,6 +150,13 @@ class Appraisal:
         taken, until = rivals(now, self.view, self.disputes, stream, budget.limits, grew=budget.grew)
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
-    def _advance(self, now: float, deciding: Stream | None = None) -> None:
+    def weigh_ahead(self, now: float) -> None:
+        """Weigh the streams that compete, if it soon is time to, so that the next sample need not wait for that."""
+        due = now >= self.disputes.weighed_at + TUNING.ahead * TUNING.interval
+        if due and self.budget.limits and not self.all_fits:
+            self._advance(now, ahead=True)
+
+    def _advance(self, now: float, deciding: Stream | None = None, *, ahead: bool = False) -> None:
         """Weigh anew how streams stand, if it is time to."""
-        self.disputes.advance(now, self.budget.usable(now), alone=self.budget.alone, deciding=deciding)
+        usable, alone = self.budget.usable(now), self.budget.alone
+        self.disputes.advance(now, usable, alone=alone, deciding=deciding, ahead=ahead)

@@ -52,6 +52,8 @@ class Shortcut(StrEnum):
     """Sent by what room costs."""
     HOPELESS = "hopeless"
     """Dropped by what room costs."""
+    CERTAIN = "certain"
+    """Sent within the small part that a robot keeps whatever others say."""
     OWED = "owed"
     """Sent because a guarantee demanded it."""
     UNKEPT = "unkept"

@@ -60,8 +60,9 @@ class StaticRule:
 
     def admit(self, now: float, sample: Waiting, use: Sequence[float]) -> tuple[str, ...]:
         """Name what has no room for a sample; if nothing has too little it is sent, and takes its tokens."""
-        part, limits = self._view.specs.fallback.part, self._budget.limits
-        self._buckets.fill(now, limits, [part * room for room in self._budget.left(now)])
+        part, budget = self._view.specs.fallback.part, self._budget
+        ours = [max(0.0, room + budget.used(now, k)) for k, room in enumerate(budget.free(now))]
+        self._buckets.fill(now, budget.limits, [part * room for room in ours])
         lacking = self._budget.lacking(now, self.needed(sample, use))
         if lacking or self._urgent(sample):
             return lacking

@@ -6,7 +6,7 @@ from functools import partial
 
 from planner import Plan
 from proxy.core.coordination.budget import Budget
-from proxy.core.interface.commands import Command, Notice
+from proxy.core.interface.commands import Command, Forward, Notice
 from proxy.core.interface.events import DecisionReady
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import use_of
@@ -30,6 +30,7 @@ from proxy.core.window.window import WindowBuilder
 
 CONSTRAINT = "dropped:constraint"
 OWED, UNNEEDED = Why("forwarded", Shortcut.OWED), Why("forwarded", Shortcut.UNNEEDED)
+CERTAIN = Why("forwarded", Shortcut.CERTAIN)
 
 
 class Gate:
@@ -54,6 +55,8 @@ class Gate:
         self._rule = StaticRule(view, budget)
         self._complaint = ""
         self._tickets = 0
+        self._overtaken = -1
+        """The ticket of the last search beside which a sample was sent."""
 
     @property
     def waits(self) -> bool:
@@ -73,6 +76,8 @@ class Gate:
             return [forwarded]
         if self.search.busy() and (stream := self.appraisal.stream_of(now, waiting)) is not None:
             self.appraisal.published(now, stream)
+            if (forwarded := self._send_beside(now, stream, waiting)) is not None:
+                return [forwarded]
         room = self._inbox.full(waiting) and self._takes_all(now, waiting)
         sent = self._send_all(now) if room else []
         return [*sent, *self.undecided.put(now, waiting)]
@@ -96,6 +101,27 @@ class Gate:
         elif self._budget.limits:
             self.decisions.count(Shortcut.UNNEEDED)
         return self.outcomes.send(now, stream, sample, use, OWED if must else UNNEEDED)
+
+    def _send_beside(self, now: float, stream: Stream, sample: Waiting) -> Command | None:
+        """Send a sample beside one that a search decides on, if nothing disputes it and there is room; else None.
+
+        Not before others of its key, nor where samples wait for room. What it takes counts when the answer comes: if
+        that leaves no room, the other sample waits for it.
+        """
+        pending, appraisal, view = self.search.pending, self.appraisal, self._view
+        if pending is None or self._copies or self._waits.for_room or self.undecided.holds(sample.key):
+            return None
+        if appraisal.mode_of(stream) is not Mode.ENFORCE or now < view.newcomers.greeted_by(now):
+            return None
+        use, disputes = appraisal.use(stream, sample), appraisal.disputes
+        if not view.subscribers.gaining(stream) or self._budget.lacking(now, use):
+            return None
+        if disputes.standing(now, stream, sample) is not Standing.UNDISPUTED:
+            return None
+        self._overtaken = pending.ticket
+        self.decisions.count(Shortcut.UNDISPUTED)
+        why = Why("forwarded", Shortcut.UNDISPUTED, weighed=disputes.weighed(stream))
+        return self.outcomes.send(now, stream, sample, use, why)
 
     def passed(self, runs: Sequence[tuple[int, Run]]) -> None:
         """Samples went as they came; each run with the place of its last one among all of them, in order."""
@@ -155,6 +181,8 @@ class Gate:
             commands = self._decided(event, pending, event.plan)
         else:
             commands = [*self._complain(event.error), *self._without_plan(event.now, pending, late=False)]
+        if not self._inbox and not any(type(each) is Forward for each in commands):  # else nobody has time
+            self.appraisal.weigh_ahead(event.now)
         return [*commands, *self.undecided.pass_deletions()]
 
     def overdue(self, now: float, ticket: int) -> list[Command]:
@@ -211,7 +239,10 @@ class Gate:
         return self.outcomes.pass_on(sample.sample, "passed:unwanted")
 
     def _weigh(self, now: float, stream: Stream, sample: Waiting, use: Use) -> Command:
-        """Decide by what room costs, or where that is disputed by a search."""
+        """Decide by what room costs, or where that is disputed by a search; a little goes whatever others claim."""
+        if self._budget.certain(now, use):
+            self.decisions.count(Shortcut.CERTAIN)
+            return self.outcomes.send(now, stream, sample, use, CERTAIN)
         standing = self.appraisal.weigh(now, stream, sample)
         if standing in (Standing.UNDISPUTED, Standing.HOPELESS):
             sends = standing is Standing.UNDISPUTED
@@ -235,6 +266,10 @@ class Gate:
         stream = self.appraisal.stream_of(now, sample)
         use = self.appraisal.use(stream, sample)
         lacking = self.appraisal.lacking_beside_booked(now, use) if plan.send else ()
+        overtaken = bool(lacking) and pending.ticket == self._overtaken
+        if overtaken and stream is not None and self._waits.give_way(now, stream, sample, now):
+            self.decisions.log.note(now, sample.key, sample, Why(WAITS, SEARCH, lacking, beside, None, searched))
+            return []
         if plan.send and not lacking:
             lacking, until = self.appraisal.lacking_beside_rivals(now, stream, use)
             beside = RIVALS

@@ -64,6 +64,10 @@ class Undecided:
     def __iter__(self) -> Iterator[Waiting]:
         return chain(self.inbox, self._unsettled.values(), self._search.deciding())
 
+    def holds(self, key: str) -> bool:
+        """Whether a sample of a key is undecided."""
+        return any(each.key == key for each in self)
+
     def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Queue a sample; drop what has to leave for it."""
         return [*self._outcomes.evict(now, self.inbox.put(waiting)), *self.pass_deletions()]

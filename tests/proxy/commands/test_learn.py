@@ -198,6 +198,13 @@ def test_where_nothing_can_be_written_the_command_says_so(daemon, recording, tmp
     ]
 
 
+def test_a_place_that_cannot_be_looked_at_is_named(recording, tmp_path, capsys):
+    """As it may not be, or has no name that a file could have."""
+    path = tmp_path / ("x" * 300 + ".toml")
+    assert main(["learn", str(recording), "-o", str(path)]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"sendworthy learn: cannot write {path}: File name too long\n"
+
+
 def test_where_nothing_is_published_nothing_is_written(daemon, tmp_path, capsys):
     """It says where it listened: most likely the applications are somewhere else."""
     file = tmp_path / "learned.toml"

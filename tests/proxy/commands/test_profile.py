@@ -70,7 +70,7 @@ def test_a_file_that_cannot_be_written_is_named(daemon, capsys, tmp_path):
     assert main(command) == exit_codes.FAILED
     caught = capsys.readouterr()
     assert "STAGE" in caught.out
-    assert where in caught.err
+    assert caught.err == f"sendworthy profile: cannot write {where}: No such file or directory\n"
 
 
 def test_a_refusal_is_told(stand_in, capsys):

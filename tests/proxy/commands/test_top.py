@@ -171,6 +171,15 @@ def test_what_is_no_terminal_gets_one_picture(daemon, capsys):
     assert capsys.readouterr().out.startswith("1 robots\n")
 
 
+def test_who_reads_no_further_makes_it_no_failure(daemon):
+    """Such as `sendworthy top --once | head -1`: it ends as every command does."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "proxy.cli", "top", "--once", "--interval", "0.1", "--connect", daemon.endpoint]
+    with os.fdopen(writing, "wb") as pipe:
+        assert subprocess.run(command, cwd=ROOT, stdout=pipe, check=False, timeout=60).returncode == exit_codes.OK
+
+
 def test_a_robot_that_is_not_there_is_named(daemon, capsys):
     """And the command fails."""
     assert (

@@ -156,7 +156,7 @@ def queries(core, now):
         lambda: (core.coordination.team.splits, core.coordination.due_at(now), core.coordination.settled),
     )
     yield "what we may use", lambda: [(budget.whole(now, k), budget.used(now, k)) for k in limits]
-    yield "what is free", lambda: (budget.free(now), budget.left(now), budget.others(now))
+    yield "what is free", lambda: (budget.free(now), budget.others(now))
     yield "what fits", lambda: (budget.lacking(now, use), budget.opens(now, use))
     yield (
         "limits",

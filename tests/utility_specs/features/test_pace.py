@@ -200,3 +200,20 @@ def test_the_first_one_is_waited_for_no_longer_than_its_budget(paced):
     bench.jobs.clear()
     assert each.extract("t", b"3", None, bench) == {"slow": 1.0, "quick": 3.0}
     assert each.paces.held() == {"slow": 3, "quick": 2}
+
+
+def test_whoever_has_little_time_knows_whether_features_are_quick(paced):
+    """Those of whose cost nothing is known are not, nor those that take longer or may never come to an end."""
+
+    class Endless(Slow):
+        ends = False
+
+    bench = Bench()
+    each = paced(bench, slow=BUDGET / 2)
+    assert not each.extracts_within("t", BUDGET)
+    each.extract("t", b"1", None, bench)
+    assert each.extracts_within("t", BUDGET)
+    assert not each.extracts_within("t", BUDGET / 4)
+    endless = replace(each, features=(("slow", Endless(bench, BUDGET / 2, budget=BUDGET)),))
+    endless.extract("t", b"1", None, bench)
+    assert not endless.extracts_within("t", BUDGET)

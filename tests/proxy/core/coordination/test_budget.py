@@ -20,7 +20,6 @@ def test_what_was_sent_counts_for_a_window(make_budget):
     heard(view, 1.5, 400)
     assert budget.used(1.5, 0) == 300.0
     assert budget.free(1.5) == [300.0]
-    assert budget.left(1.5) == [600.0]
     assert not budget.lacking(1.6, (300.0,))
     assert budget.lacking(1.6, (301.0,)) == ("bytes",)
     assert budget.free(2.0) == [300.0]
@@ -193,3 +192,20 @@ def test_room_grew_last_when_a_large_send_left_the_window(make_budget):
     assert budget.grew(1.9) == -math.inf
     assert budget.grew(2.1) == pytest.approx(2.0)
     assert budget.grew(2.5) == pytest.approx(2.2)
+
+
+def test_a_little_is_ours_whatever_others_say(make_budget):
+    """An eighth of an equal part, for messages of a quarter of it at most; nothing of what is not shared."""
+    budget, view = make_budget(BYTES, ENERGY, peers=4)
+    budget._coordination.certain = TUNING.certain_part / 5
+    heard(view, 1.0, 1_000_000)
+    for number in range(4):
+        assert budget.lacking(1.1, (7.0, 0.1)) == ("bytes",)
+        assert not budget.certain(1.1, (7.0, 0.1))
+        assert not budget.lacking(1.1, (6.0, 0.1)), number
+        assert budget.certain(1.1, (6.0, 0.1))
+        assert budget.opens(1.1, (6.0, 0.1)) == -math.inf
+        budget.use(1.1, (6.0, 0.6))
+    assert budget.lacking(1.2, (6.0, 1.0)) == ("bytes", "energy")
+    assert not budget.certain(1.2, (6.0, 0.1))
+    assert not budget.lacking(2.2, (6.0, 0.1))

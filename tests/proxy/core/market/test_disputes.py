@@ -8,6 +8,7 @@ from proxy.core.core import Core
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.market.standing import Standing
+from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.view.tuning import TUNING as VIEW
@@ -316,3 +317,45 @@ def searched(talk, now, said):
     for decide in only(said, Decide):
         found += searched(talk, now, talk.tell(ev.DecisionReady(now, decide.ticket, plan_of(decide.problem))))
     return found
+
+
+def search_begun(talk, now):
+    """Publish frames from this time on until one is searched for; return when that is, its number and the search."""
+    while True:
+        now = round(now + 0.1, 6)
+        frame, commands = talk.publish(now, size=FRAME, red=0.1)
+        if decides := only(commands, Decide):
+            return now, frame, decides[0]
+
+
+def test_what_nothing_disputes_goes_beside_a_search(talk):
+    """It waits for no answer, and the search goes on."""
+    now, frame, decide = search_begun(talk, 2.0)
+    for late in (0.001, 0.002):
+        sample, commands = talk.publish(now + late, "robot/r1/odometry", size=300)
+        assert only(commands) == [Forward(sample)]
+    assert only(talk.answer(now + 0.003, decide, send=True)) == [Forward(frame)]
+
+
+def test_a_sample_that_finds_no_room_beside_one_that_overtook_it_waits(talk):
+    """It is not lost, nor is more sent than the limit allows."""
+    now, frame, decide = search_begun(talk, 2.0)
+    left = int(talk.core.budget.free(now)[0])
+    sample, commands = talk.publish(now + 0.001, "robot/r1/odometry", size=left - FRAME // 2)
+    assert only(commands) == [Forward(sample)]
+    assert only(talk.answer(now + 0.002, decide, send=True)) == []
+    assert [waiting.sample for waiting, _ in talk.core.gate.undecided_of("robot/r1/camera")] == [frame]
+    assert talk.core.budget.free(now + 0.002)[0] >= 0.0
+
+
+@pytest.mark.parametrize("send", [True, False])
+def test_streams_are_weighed_while_no_sample_waits_for_it(talk, send):
+    """When one was handed over or dropped, so that the next one finds it done."""
+    now, frame, decide = search_begun(talk, 2.0)
+    disputes = talk.core.gate.appraisal.disputes
+    before, soon = disputes.weighed_at, now + MARKET.interval * (1.0 + MARKET.ahead) / 2.0
+    talk.answer(soon, decide, send=send)
+    if send:
+        assert disputes.weighed_at == before
+        talk.tell(ev.SampleHanded(soon, frame))
+    assert disputes.weighed_at == soon

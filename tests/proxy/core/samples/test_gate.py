@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from proxy.core.coordination.budget import Budget
 from proxy.core.interface import events as ev
-from proxy.core.interface.commands import Drop, Forward
+from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.model.transport import broadcast
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 
@@ -64,3 +64,22 @@ def test_what_others_sent_is_known_as_if_it_were_looked_for_each_time(make_talk,
         fresh = Budget(view, talk.core.coordination)
         fresh.set_limits(budget.limits)
         assert budget.others(now) == fresh.others(now)
+
+
+def test_small_samples_go_whatever_another_robot_claims(make_talk, make_specs):
+    """It says that it has sent ten limits, or is about to send what is worth a million times as much."""
+    talk = make_talk(make_specs("1 Mbit/s"))
+    talk.want(0.0)
+    talk.tell(ev.PeerAppeared(0.0, "r2", "z-r2"))
+    camera = (StreamState(1, "robot/r2/camera", "camera", 0.05, 0.0, 60_000),)
+    talk.tell(ev.StateHeard(0.0, State("r2", "z-r2", "enforce", "", camera, ("**",), number=1)))
+    for n in range(1, 61):
+        now = 0.1 * n
+        news = StreamDigest(1, 3 * n, 2 * n, now, now, 60_000, 1e6)
+        digest = Digest("r2", tag("z-r2"), now, 20 * n, 1_200_000 * n, (news,), state=1)
+        talk.tell(ev.DigestHeard(now, digest))
+        _, commands = talk.publish(now + 0.01, size=100)
+        for decide in commands:
+            if isinstance(decide, Decide):
+                talk.answer(now + 0.02, decide, send=False)
+    assert len(talk.all(Forward)) >= 50

@@ -70,6 +70,7 @@ def test_the_status_explains_the_last_decision_and_counts_what_bound(make_aggreg
         "iterations": 7,
         "would_drop": 0,
         "unneeded": 0,
+        "certain": 0,
         "undisputed": 0,
         "hopeless": 0,
         "owed": 0,
