@@ -132,8 +132,8 @@ class Inbound:
         """The robot tells of a stream. The news `counts` if each sample is for us and those it tells of have come.
 
         But for the last one, which may be on its way: it counts when the next one is told of. Where it was taken for
-        lost, robots took their own samples to arrive more surely than those of others, and each that could send or
-        leave it to another sent: of ten robots with equal messages two did in a fifth of such cases (100 ms, broadcast).
+        lost, robots took their own samples to arrive more surely than those of others, and where one of two should
+        send both did: of ten robots with equal messages in a fifth of such cases (100 ms, broadcast).
         """
         incoming = self._of(key)
         before, heard = incoming.counted, incoming.heard

@@ -18,7 +18,7 @@ from tests.proxy.core.talk import only
 
 @pytest.fixture
 def rivals(make_talk, make_specs):
-    """Two robots with cameras of 5 Hz that fill the limit twice; the other one's frame was due 2 ms ago."""
+    """Two robots with cameras of 5 Hz that fill the limit twice; the other one's frame was due 5 ms ago."""
     talk = make_talk(make_specs())
     talk.want(0.0)
     talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
@@ -26,7 +26,7 @@ def rivals(make_talk, make_specs):
     other = talk.core.view.streams.touch(0.0, "op", "robot/op/camera")
     for count in range(1, 41):
         decide_all(talk, 0.2 * count, talk.publish(0.2 * count, size=4000)[1], send=count == 38)
-        other.note_generated(count, Generated(0.2 * count - 0.002, 4000, 1.0))
+        other.note_generated(count, Generated(0.2 * count - 0.005, 4000, 1.0))
     return talk
 
 
@@ -44,8 +44,8 @@ def test_a_sample_gives_way_until_it_is_known_what_a_better_claim_had_sent(rival
 def test_a_sample_that_gave_way_is_dropped_when_a_newer_one_is_there(rivals):
     """Which is decided in its place."""
     sample, commands = rivals.publish(8.2, size=4000)
-    rivals.publish(8.201, size=4000)
-    decided = rivals.answer(8.202, *only(commands, Decide), send=True)
+    rivals.publish(8.203, size=4000)
+    decided = rivals.answer(8.204, *only(commands, Decide), send=True)
     assert only(decided, Forward, Drop) == [Drop(sample, "dropped:constraint")]
 
 
