@@ -104,9 +104,9 @@ def rivals(
 ) -> tuple[tuple[float, ...], float]:
     """Return what samples of others with a better claim than ours of a stream use that may be sent about now.
 
-    And until when at least, as far as they are not heard of [s]; none where all plans are `agreed` on them. The best of them may have waited until the room last
-    `grew`, as it is told of a time; each may have given way to who sent last, and to those before it, until it was
-    known what became of them.
+    And until when at least, as far as they are not heard of [s]. There are none where all plans are `agreed` on them.
+    The best of them may have waited until the room last `grew`, as it is told of a time; each may have given way to who
+    sent last, and to those before it, until it was known what became of them.
     """
     claims = [] if agreed else _claims(now, view, disputes, stream, limits)
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
