@@ -14,6 +14,7 @@ from studies.simulation.agenda import Agenda
 from studies.simulation.missions import Mission
 from studies.simulation.network import Network
 from studies.simulation.records import Delivery, Frame, OnAir
+from studies.simulation.team import DECISION_TIME
 
 AFTER = 5.0
 """What is sent at the end of a mission is waited for so long [s]."""
@@ -39,18 +40,19 @@ def fly_alone(
     seed: int,
     horizon: int = 60,
     broadcast: bool = True,
+    decision_time: float = DECISION_TIME,
 ) -> Flight:
     """Let every robot decide its messages when they are generated, with windows of `horizon` messages.
 
     `fresh` makes the policy of each robot; one that draws is `dealt` numbers of its own from the `seed`. `carry` makes
     the network on the agenda of the flight, with all members of the mission on it. All of them hear what is broadcast;
-    otherwise each gets a copy.
+    otherwise each gets a copy. What is decided goes `decision_time` later [s], as in a team.
     """
     names = sorted(mission.interests)
     robots = {name: Robot(mission.problem, horizon) for name in names}
     policies = {name: _dealt(fresh(mission.problem), f"{seed} {name}") for name in names}
     agenda = Agenda()
-    return _Flying(mission, robots, policies, carry(agenda), agenda, broadcast).fly()
+    return _Flying(mission, robots, policies, carry(agenda), agenda, broadcast, decision_time).fly()
 
 
 @dataclass(slots=True)
@@ -63,6 +65,7 @@ class _Flying:
     network: Network
     agenda: Agenda
     broadcast: bool
+    decision_time: float
     flight: Flight = field(default_factory=Flight)
 
     def fly(self) -> Flight:
@@ -80,9 +83,10 @@ class _Flying:
         send = self.policies[frame.robot](window)
         self.flight.decisions.append(process_time() - begin)
         if send:
-            self._send(frame, current, t)
+            self.agenda.at(t + self.decision_time, partial(self._send, frame, current))
 
-    def _send(self, frame: Frame, message: Message, t: float) -> None:
+    def _send(self, frame: Frame, decided: Message, t: float) -> None:
+        message = decided._replace(t_sent=t, t_rcv=decided.t_rcv + self.decision_time)
         told, flight = self.robots[frame.robot].send(message), self.flight
         others = [name for name in self.robots if name != frame.robot]
         copies = 1 if self.broadcast else len(others)

@@ -29,6 +29,8 @@ __all__ = ["Delivery", "Frame", "Team"]
 
 DIGEST_OVERHEAD = 15
 """Bytes around a digest on the wire."""
+DECISION_TIME = 0.003
+"""What is decided goes so much later, whoever decides [s]."""
 
 
 @dataclass
@@ -43,7 +45,7 @@ class Team:
     medium: Medium
     seed: int = 0
     iterations: int = 300
-    decision_time: float = 0.003
+    decision_time: float = DECISION_TIME
     clocks: Mapping[str, Clock | float] = field(default_factory=dict)
     settings: CoreSettings = field(default_factory=lambda: CoreSettings("", ""))
     search: SearchSettings = field(default_factory=SearchSettings)

@@ -12,7 +12,7 @@ COSTS = {
     "paper": 4.8,
     "paper-alone": 2.0,
     "best-alone": 1.0,
-    "receding": 3.0,
+    "receding": 1.0,
     "rank": 1.4,
 }
 """Processor time of 100 s with ten robots on one core of 2.1 GHz, by contender [s]."""

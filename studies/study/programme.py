@@ -11,8 +11,6 @@ from studies.study.tasks import ITERATIONS, REAL_TRAFFIC, Task
 
 SCENARIOS = {"most": "most important", "mixed": "mixed", "few": "few important"}
 """As they are called, in the order of Fig. 3: (a), (b), (c)."""
-SLOW = ("receding",)
-"""Contenders that fly fewer limits and seeds, for what each decision costs them."""
 COMPARED: dict[str, dict[str, Any]] = {
     "adhoc": {},
     "own": {"network": "own"},
@@ -38,8 +36,6 @@ class Extent:
     probabilities: tuple[float, ...]
     seeds: int
     seconds: float
-    slow_limits: tuple[float, ...]
-    slow_seeds: int
     sweep_seeds: int
     sweep_seconds: float
     agreement_limits: tuple[float, ...]
@@ -69,8 +65,6 @@ FULL = Extent(
     probabilities=tuple((n + 1) / 30 for n in range(30)),
     seeds=3,
     seconds=100.0,
-    slow_limits=(2.0, 5.0, 10.0),
-    slow_seeds=1,
     sweep_seeds=3,
     sweep_seconds=100.0,
     agreement_limits=(2.0, 5.0, 10.0, 20.0),
@@ -82,8 +76,6 @@ REDUCED = Extent(
     probabilities=(0.08, 0.2, 0.4, 0.8),
     seeds=3,
     seconds=60.0,
-    slow_limits=(5.0,),
-    slow_seeds=1,
     sweep_seeds=2,
     sweep_seconds=20.0,
     agreement_limits=(2.0, 5.0, 10.0),
@@ -97,8 +89,6 @@ QUICK = Extent(
     probabilities=(0.1, 0.4),
     seeds=1,
     seconds=15.0,
-    slow_limits=(),
-    slow_seeds=0,
     sweep_seeds=1,
     sweep_seconds=15.0,
     agreement_limits=(5.0,),
@@ -244,11 +234,8 @@ def main_tasks(extent: Extent) -> list[Task]:
     found = []
     for scenario, seed in product(SCENARIOS, range(extent.seeds)):
         for name in [BOUND, *extent.flying]:
-            slow = name in SLOW
-            if slow and seed >= extent.slow_seeds:
-                continue
             at_random = name in CONTENDERS and CONTENDERS[name].random
-            levels = extent.probabilities if at_random else extent.slow_limits if slow else extent.limits
+            levels = extent.probabilities if at_random else extent.limits
             found += [entered(name, Task("", scenario, level, seed, seconds=extent.seconds)) for level in levels]
     return found
 

@@ -43,6 +43,11 @@ class Budget:
         """Whether what may be used is our part, so that only our own streams compete for it."""
         return (coordination := self._coordination).keeps > 0.0 or coordination.binds
 
+    @property
+    def agreed(self) -> bool:
+        """Whether all robots plan the same for what others may just have sent."""
+        return self._coordination.team.agrees
+
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
         """Put these constraints in force; what we sent still counts against those of the same name and kind."""
         if limits == self.limits:
@@ -129,15 +134,6 @@ class Budget:
             return opening
         return max(grows, departures.opens(self.usable(grows), use))
 
-    def grew(self, now: float) -> float:
-        """When a window was left last by a send that changes plans [s]; −∞ where none was."""
-        longest = longest_window(limit for limit in self.limits if limit.shared)
-        last: dict[tuple[float, ...], float] = {}
-        for t, use in (*self.own, *self.others(now)):
-            if t + longest <= now:
-                last[use] = max(t + longest, last.get(use, -math.inf))
-        return max((left for use, left in last.items() if changes_plans(use, self.limits)), default=-math.inf)
-
     def use(self, now: float, use: tuple[float, ...], sample: int | None = None) -> None:
         """A message with this use is sent now, a `sample` or something else."""
         large = sample is not None and changes_plans(use, self.limits)
@@ -162,9 +158,8 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        return Limits(
-            self.usable(now), tuple(self.own.since(since)), self._sent_by_others(now, since), alone=self.alone
-        )
+        ours, theirs = tuple(self.own.since(since)), self._sent_by_others(now, since)
+        return Limits(self.usable(now), ours, theirs, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""
@@ -200,6 +195,16 @@ class Budget:
         """Return the uses of samples that others sent, as far as they count."""
         sent = [] if self.alone else self._view.traffic.sent_since(since)
         return uses_of(now, sent, self.limits, self.own.leave_after)
+
+
+def grew(budget: Budget, now: float) -> float:
+    """Return when a window was left last by a send that changes plans [s]; −∞ where none was."""
+    longest = longest_window(limit for limit in budget.limits if limit.shared)
+    last: dict[tuple[float, ...], float] = {}
+    for t, use in (*budget.own, *budget.others(now)):
+        if t + longest <= now:
+            last[use] = max(t + longest, last.get(use, -math.inf))
+    return max((left for use, left in last.items() if changes_plans(use, budget.limits)), default=-math.inf)
 
 
 def _confined(budget: Budget, now: float, k: int, part: float) -> float:

@@ -40,6 +40,8 @@ class Team:
         """Whether it is not, or we broadcast and know no way yet, and they may come seldom: the team splits so long."""
         self.seldom = False
         """Whether large samples of all come seldom, and there is no room for all of them."""
+        self._splits_seldom = False
+        """Whether the team splits as that is so, and samples are not overheard, or late."""
         self.rivals = False
         """Whether several robots have something to send."""
         self.must_announce = False
@@ -60,9 +62,14 @@ class Team:
         return not self._stuck and self.rivals and (self.votes_to_split or bool(self._votes))
 
     @property
+    def agrees(self) -> bool:
+        """Whether each robot plans the same for all."""
+        return self.seldom and not self.splits
+
+    @property
     def begins_split(self) -> bool:
         """Whether the team is one that splits from the beginning, as far as is known."""
-        return self.strict or self.seldom or self.undecided or not self.rhythms_known
+        return self.strict or self._splits_seldom or self.undecided or not self.rhythms_known
 
     @property
     def robots(self) -> int:
@@ -128,7 +135,7 @@ class Team:
         """
         view, window, still = self._view, shortest_window(limits), TUNING.hysteresis if self.votes_to_split else 1.0
         competing = view.contention.all(now)
-        sending = {stream.robot for stream in competing} | self._unheard()
+        sending = {stream.robot for stream in competing} | _unheard(view)
         dear = announcing(now) > still * TUNING.affordable
         self._senders = self._count_senders()
         self.even = self._equal_parts_do(competing, limits) and dear
@@ -151,7 +158,7 @@ class Team:
         late = decides and self.news_take(waiting) >= still * TUNING.late_news * window
         self._dear_since = min(self._dear_since, now) if dear else math.inf
         lasting = 0.0 if self.even or view.members.speaking > TUNING.few_robots else TUNING.dear_time
-        self.votes_to_split = self.strict or self.seldom or late or many or now >= self._dear_since + lasting
+        self.votes_to_split = self.strict or self._splits_seldom or late or many or now >= self._dear_since + lasting
 
     def _equal_parts_do(self, competing: Collection[Stream], limits: tuple[Limit, ...]) -> bool:
         """Return whether several robots send several streams each, and nothing much larger than an equal part."""
@@ -192,11 +199,11 @@ class Team:
         apt, broadcast = all(limit.least >= 1.0 for limit in limits), is_broadcast(self._view.settings.transport)
         heard = self._view.staleness.known or now >= began + TUNING.ways_time
         begins = apt and not (heard if broadcast else self.rhythms_known) and not self._others_plan_for_all()
-        still = TUNING.hysteresis if self.seldom else 1.0
-        apt &= not broadcast or self.news_take(waiting) >= still * TUNING.seldom_news * shortest_window(limits)
+        still = TUNING.overheard_news * (TUNING.hysteresis if self._splits_seldom else 1.0)
+        late = not broadcast or self.news_take(waiting) >= still * shortest_window(limits)
         self.undecided = begins and not any(exceeds(TUNING.seldom_size, use, limits) for _, use in uses)
         if not (own and known and apt):
-            self.seldom = False
+            self.seldom = self._splits_seldom = False
             return
         period = max(stream.schedule.period for stream in own)
         rhythms = [(s.schedule.kind, s.schedule.period, use) for s, use in uses]
@@ -209,14 +216,16 @@ class Team:
             kind != MEMORYLESS and period >= least and not exceeds(TUNING.seldom_size, use, limits)
             for kind, period, use in large
         )
+        self._splits_seldom = self.seldom and late
 
     def _others_plan_for_all(self) -> bool:
         """Whether a robot that knows its rhythms finds no split due: who joins it does as it does."""
         told = ((name, each) for name, peer in self._view.peers.items() for each in peer.told.values())
         return any(each.period > 0.0 and name not in self._votes for name, each in told)
 
-    def _unheard(self) -> set[str]:
-        """Return the robots that have streams, as their states say, of which no digest has said anything yet."""
-        known = {stream.robot for stream in self._view.streams}
-        new = (peer for peer in self._view.peers.values() if peer.robot not in known and not peer.plain)
-        return {peer.robot for peer in new if any(self._view.specs.planned(key) for key in peer.told)}
+
+def _unheard(view: SharedView) -> set[str]:
+    """Return the robots that have streams, as their states say, of which no digest has said anything yet."""
+    known = {stream.robot for stream in view.streams}
+    new = (peer for peer in view.peers.values() if peer.robot not in known and not peer.plain)
+    return {peer.robot for peer in new if any(view.specs.planned(key) for key in peer.told)}

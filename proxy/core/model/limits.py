@@ -36,13 +36,14 @@ class Limits:
     """The constraints of a problem, and what was sent that counts against them, oldest first.
 
     `sent` are our own sends, `others` those of other robots. `alone`: the constraints are our part, so only our own
-    streams compete for them.
+    streams compete for them. `agreed`: all plans say the same of what others may just have sent.
     """
 
     union: tuple[Limit, ...]
     sent: tuple[Send, ...] = ()
     others: tuple[Send, ...] = ()
     alone: bool = False
+    agreed: bool = False
 
 
 def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Limit, ...]:

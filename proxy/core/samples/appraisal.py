@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Iterable
+from functools import partial
 
 from planner import Aggregation
-from proxy.core.coordination.budget import Budget
+from proxy.core.coordination.budget import Budget, grew
 from proxy.core.coordination.claims import both, rivals
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Amounts, Standing, rate_known
@@ -147,7 +148,9 @@ class Appraisal:
             return (), math.inf
         if any(amount > c.limit for amount, c in zip(use, budget.usable(now), strict=True)):
             return (), math.inf  # there never is room beside it
-        taken, until = rivals(now, self.view, self.disputes, stream, budget.limits, grew=budget.grew)
+        taken, until = rivals(
+            now, self.view, self.disputes, stream, budget.limits, grew=partial(grew, budget), agreed=budget.agreed
+        )
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
     def weigh_ahead(self, now: float) -> None:

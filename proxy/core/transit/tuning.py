@@ -40,6 +40,8 @@ class TransitTuning:
     """Samples of at most this many streams are counted."""
     unread_timestamps: int = 64
     """Of at most this many samples the timestamps are not read yet."""
+    slow_sample: float = 2.0
+    """A sample that has not come is lost only after so many times what samples take."""
     waits: int = 5
     """Of so many samples it is remembered how long they waited before they were sent."""
     digests_awaiting_echoes: int = 64

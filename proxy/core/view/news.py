@@ -62,7 +62,7 @@ class News:
         if stream is None:
             return
         gets_all = self._subscribers.broadcasts(peer.robot) or self._tag in self._subscribers.of(stream)
-        peer.inbound.heard_news(key, news, counts=counts and gets_all)
+        peer.inbound.heard_news(now, key, news, counts=counts and gets_all)
         told = peer.told.get(key)
         if told is not None:
             stream.assume(told)

@@ -20,13 +20,13 @@ def forecast(
     """Fill in the expected generation times of every candidate, as far ahead as plans look.
 
     Others' messages since we last heard of them have an unknown fate: they are decisions too, but for those with a
-    lesser claim than the stream of ours that is `deciding`.
+    lesser claim than the stream of ours that is `deciding`, unless all plans agree on them.
     """
     longest, until = longest_window(limits.union), now + view.settings.horizon_time
     end, ours = min(until, now + MODEL.planned_windows * longest), None
     for c in candidates:
         decided = c.own
-        if not decided and deciding is not None:
+        if not decided and deciding is not None and not limits.agreed:
             ours = ours or claim(now, deciding)
             decided = claim(now, c.stream) < ours
         after = now if decided else _unheard_since(now, view, c, limits, longest)

@@ -31,7 +31,7 @@ class WindowTuning:
     varied: float = 0.05
     """... whose sizes deviate by more than this part, and which come by a rhythm: of five robots with samples of random
     sizes, worths and times twice as many windows were over the limit, with 2 % less utility."""
-    overheard_within: float = 0.05
+    overheard_within: float = 0.01
     """We overhear a sample this much later at most, besides the latency and the stream's jitter [s]."""
     early: float = 0.1
     """The next sample of a guaranteed stream may come earlier than expected by this part of the period."""

@@ -15,6 +15,7 @@ from studies.simulation.medium import Medium
 from studies.simulation.missions import SIZE, draw
 from studies.simulation.network import OverMedium
 from studies.simulation.scores import reached, scored, sent
+from studies.simulation.team import DECISION_TIME
 from studies.simulation.usage import usage
 from studies.workload import FEW_IMPORTANT, MIXED
 
@@ -47,6 +48,8 @@ def test_who_sends_all_reaches_all(flown):
     took = [d.t_rcv - d.t_sent for d in flight.deliveries]
     assert took == pytest.approx([0.02] * len(took), abs=1e-3)
     assert all(seconds >= 0.0 for seconds in flight.decisions)
+    decided = [air.t - air.frame.t_gen for air in flight.on_air]
+    assert decided == pytest.approx([DECISION_TIME] * len(decided)), "decisions take as long as a team's"
 
 
 def test_plans_beat_sending_whenever_it_fits_and_keep_the_limit_as_far_as_known(flown):

@@ -36,11 +36,11 @@ def taken(view, now, *, grew=-math.inf):
     return judged(view, now, grew=grew)[0]
 
 
-def judged(view, now, *, grew=-math.inf):
+def judged(view, now, *, grew=-math.inf, agreed=False):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(now, limits, alone=False)
     stream = view.streams.known("r1", "robot/r1/camera")
-    return rivals(now, view, disputes, stream, limits, grew=lambda _: grew)
+    return rivals(now, view, disputes, stream, limits, grew=lambda _: grew, agreed=agreed)
 
 
 def generated(view, t):
@@ -53,10 +53,11 @@ def sent(view, robot, t):
 
 
 def test_a_better_claim_that_was_due_just_now_counts_as_taken(view):
-    """The other one sent longer ago."""
+    """The other one sent longer ago. Where all plans say the same nobody gives way: the plan says what it does."""
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
     assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
+    assert judged(view, 10.0 + 0.5 * TUNING.deciding, agreed=True) == ((0.0,), math.inf)
 
 
 def test_a_worse_claim_waits_for_us(view):

@@ -216,12 +216,14 @@ def test_who_broadcasts_begins_by_a_split_until_it_knows_how_long_news_take(make
 
 @pytest.mark.parametrize(("waiting", "splits"), [(1.01, True), (0.99, False)])
 def test_what_comes_seldom_and_is_overheard_is_split_where_news_take_part_of_the_window(make_team, waiting, splits):
-    """It is much less than what takes other teams to a split."""
+    """It is less than what takes other teams to a split; before that each plans the same for all."""
     team = make_team(names(9), send=0, transport=broadcast("224.0.0.226:7449"))
     fifth = round(0.15 * team.limits[0].limit)
     rhythms(team, size=fifth, others=fifth)
-    team.look(waiting=waiting * TUNING.seldom_news * WINDOW)
-    assert team.coordination.team.seldom is splits
+    team.look(waiting=waiting * TUNING.overheard_news * WINDOW)
+    assert team.coordination.team.seldom
+    assert team.coordination.team.splits is splits
+    assert team.coordination.team.agrees is (not splits)
 
 
 def test_robots_whose_samples_are_small_have_equal_parts_at_once_where_news_cost_too_much(make_team):

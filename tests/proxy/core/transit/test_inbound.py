@@ -7,6 +7,9 @@ from proxy.core.transit.tuning import TUNING
 from proxy.core.view.peer import Peer
 from tests.proxy.core.transit.heard import KEY, hear, hear_digest, news, state
 
+LATER = 1.0
+"""News come so long after what they tell of was sent [s]."""
+
 
 def test_samples_tell_what_they_take_by_their_size(peer):
     """Their timestamp is read through the peer's wall clock and clock offset."""
@@ -46,9 +49,9 @@ def test_the_wait_before_sending_is_no_latency(peer):
     """News of a stream whose last sample was the one sent tells how long it waited."""
     for at in range(2, 12):
         hear(peer, at + 0.0, 0.25)
-        peer.inbound.heard_news(KEY, news(at, at, at + 0.0, at + 0.2), counts=True)
+        peer.inbound.heard_news(at + 0.2 + LATER, KEY, news(at, at, at + 0.0, at + 0.2), counts=True)
     for at in range(12, 22):
-        peer.inbound.heard_news(KEY, news(at + 1, at, at + 0.9, at + 0.2), counts=True)
+        peer.inbound.heard_news(at + 0.2 + LATER, KEY, news(at + 1, at, at + 0.9, at + 0.2), counts=True)
         hear(peer, at + 0.0, 0.25)
     assert peer.inbound.latency.fixed == pytest.approx(0.05, abs=1e-3)
 
@@ -108,10 +111,10 @@ def test_a_sample_without_a_timestamp_is_not_compared_with_an_older_one(peer):
     """News of it says nothing of the clock."""
     for at in range(2, 12):
         hear(peer, float(at), 0.1)
-    peer.inbound.heard_news(KEY, news(10, 10, 11.0, 11.0), counts=True)
+    peer.inbound.heard_news(11.0 + LATER, KEY, news(10, 10, 11.0, 11.0), counts=True)
     for at in range(20, 30):
         peer.inbound.heard_sample(at + 0.1, KEY, 100, None)
-    peer.inbound.heard_news(KEY, news(20, 20, 29.0, 29.0), counts=True)
+    peer.inbound.heard_news(29.0 + LATER, KEY, news(20, 20, 29.0, 29.0), counts=True)
     assert not peer.inbound._streams[KEY].astray
     assert peer.inbound.latency.fixed == pytest.approx(0.1, abs=1e-3)
 
@@ -120,15 +123,15 @@ def test_an_application_with_a_clock_of_its_own_spoils_nothing(peer):
     """News tells when samples were sent; what their timestamps made us believe is forgotten, and they count again."""
     for at in range(2, 12):
         hear(peer, float(at), 0.1, error=-5.0)
-    peer.inbound.heard_news(KEY, news(10, 10, 11.0, 11.0), counts=True)
+    peer.inbound.heard_news(11.0 + LATER, KEY, news(10, 10, 11.0, 11.0), counts=True)
     assert peer.inbound.latency.fixed == pytest.approx(5.1, abs=1e-3)
     for at in range(12, 22):
         hear(peer, float(at), 0.1, error=-5.0)
-    peer.inbound.heard_news(KEY, news(20, 20, 21.0, 21.0), counts=True)
+    peer.inbound.heard_news(21.0 + LATER, KEY, news(20, 20, 21.0, 21.0), counts=True)
     assert peer.inbound.latency is None
     for at in range(22, 32):
         hear(peer, float(at), 0.1)
-        peer.inbound.heard_news(KEY, news(at, at - 1, float(at), float(at)), counts=True)
+        peer.inbound.heard_news(at + LATER, KEY, news(at, at - 1, float(at), float(at)), counts=True)
     assert peer.inbound.latency.fixed == pytest.approx(0.1, abs=1e-3)
 
 
@@ -137,7 +140,7 @@ def test_when_a_sample_was_generated_no_timestamp_tells(peer, error):
     """What samples take and how long they wait does, so a clock that was set alters nothing."""
     for at in range(2, 12):
         hear(peer, float(at), 0.25)
-        peer.inbound.heard_news(KEY, news(at, at, float(at), at + 0.05), counts=True)
+        peer.inbound.heard_news(at + 0.05 + LATER, KEY, news(at, at, float(at), at + 0.05), counts=True)
     stamp = 12.0 - 100.0 + 1000.0 + error
     assert peer.inbound.heard_sample(12.25, KEY, 100, stamp) == pytest.approx(12.0, abs=1e-3)
     assert peer.inbound.heard_sample(13.25, KEY, 100, None) == pytest.approx(13.0, abs=1e-3)
@@ -176,18 +179,30 @@ def test_loss_from_it_is_what_it_says_it_sent_and_did_not_come(peer):
         if count % 4:
             hear(peer, 2.0 + count, 0.1)
         if count % 10 == 0:
-            peer.inbound.heard_news(KEY, news(count, count, 2.0 + count, 2.0 + count), counts=True)
-            peer.inbound.heard_news("other", news(count, count, 2.0 + count, 2.0 + count), counts=False)
+            told = news(count, count, 2.0 + count, 2.0 + count)
+            peer.inbound.heard_news(2.0 + count + LATER, KEY, told, counts=True)
+            peer.inbound.heard_news(2.0 + count + LATER, "other", told, counts=False)
     assert peer.inbound.loss == pytest.approx(0.25)
     peer.take_state(200.0, state(1000.0, mode="shadow"))
     assert peer.inbound.loss is None
+
+
+def test_the_last_sample_that_was_sent_may_be_under_way(peer):
+    """It is lost only when it has taken much longer than samples do."""
+    for count in range(1, 101):
+        if count > 10:
+            peer.inbound.heard_news(2.05 + count, KEY, news(count, count, 2.0 + count, 2.0 + count), counts=True)
+        hear(peer, 2.0 + count, 0.1)
+    assert peer.inbound.counted == (89, 0)
+    peer.inbound.heard_news(103.0 + LATER, KEY, news(101, 101, 103.0, 103.0), counts=True)
+    assert peer.inbound.counted[1] == 1
 
 
 def test_streams_of_a_peer_are_bounded(peer):
     """Samples of too many are counted, and tell nothing more."""
     for number in range(TUNING.streams + 10):
         peer.inbound.heard_sample(2.0, f"robot/{number}/camera", 100, None)
-        peer.inbound.heard_news(f"robot/{number}/camera", news(1, 1, 1.0, 1.0), counts=True)
+        peer.inbound.heard_news(1.0 + LATER, f"robot/{number}/camera", news(1, 1, 1.0, 1.0), counts=True)
     assert peer.inbound.samples == TUNING.streams + 10
     assert len(peer.inbound._streams) == TUNING.streams
 
@@ -199,7 +214,7 @@ def test_of_too_many_streams_the_one_not_heard_of_for_longest_is_forgotten(peer)
     assert peer.evicted == 1
     for at in range(3, 13):
         hear(peer, float(at), 0.1)
-        peer.inbound.heard_news(KEY, news(at, at, float(at), float(at)), counts=True)
+        peer.inbound.heard_news(at + LATER, KEY, news(at, at, float(at), float(at)), counts=True)
     assert peer.inbound.latency.fixed == pytest.approx(0.1, abs=1e-3)
     assert peer.inbound.loss == 0.0
     assert peer.evicted == 2

@@ -68,7 +68,7 @@ def test_what_came_before_a_key_was_known_was_not_lost(view):
     peer = view.peers["z-r2"]
     view.heard_state(0.0, State("r2", "z-r2", "enforce", specs, (), origins=("r2-zid",)))
     for count in range(38):
-        view.overhearing.take(SampleHeard(1.0 + 0.1 * count, CAMERA, 10, "r2-zid", None, None))
+        view.overhearing.take(SampleHeard(1.3 + 0.1 * count, CAMERA, 10, "r2-zid", None, None))
     view.heard_state(5.0, State("r2", "z-r2", "enforce", specs, streams, (), origins=("r2-zid",), number=1))
     view.heard_digest(5.1, digest(5.1, StreamDigest(7, 40, 40, 5.0, 5.0, 10, 1.0)))
     for count in range(20):

@@ -1,5 +1,7 @@
 """Which messages are expected, of whom since when, and how far ahead."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -32,20 +34,25 @@ def test_others_messages_that_would_have_been_announced_are_decisions_only_as_lo
 
 
 def test_what_a_lesser_claim_may_have_had_sent_is_no_decision(make_specs):
-    """It gives way to us: where all took each other's samples for sent nobody would send any."""
+    """It gives way to us: where all took each other's samples for sent nobody would send any.
+
+    Where all plans say the same they say that nobody gives way.
+    """
     view = make_view(make_specs())
     view.subscribers.set_own(("robot/**",))
     ours, other = add_stream(view, "r1"), add_stream(view, "r2")
 
-    def past(now):
-        problem = WindowBuilder(view, 0.0).build(now, sample(now), (), union())[0]
+    def past(now, *, agreed=False):
+        limits = replace(union(), agreed=agreed)
+        problem = WindowBuilder(view, 0.0).build(now, sample(now), (), limits)[0]
         return [m.t_gen for m in problem.messages if m.t_gen < now and not m.sent]
 
     view.traffic.note_sent(ours, 1, Sent(9.5, 9.5, 1000, 1.0))
     view.traffic.note_sent(other, 1, Sent(9.0, 9.0, 1000, 1.0))
-    assert past(10.51) == [pytest.approx(10.5)]
+    assert past(10.505) == [pytest.approx(10.5)]
     view.traffic.note_sent(other, 2, Sent(9.6, 9.6, 1000, 1.0))
-    assert past(10.51) == []
+    assert past(10.505) == []
+    assert past(10.505, agreed=True) == [pytest.approx(10.5)]
 
 
 def test_who_overhears_takes_what_was_not_heard_in_time_for_not_sent(make_specs):
