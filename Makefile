@@ -48,12 +48,13 @@ PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadscope --n
 test: setup
 	$(PYTEST) -m "not system and not full"
 
-# All that needs no root, with more examples. What the studies call is no proof of it, so it does not count as covered.
+# All that needs no root, with more examples, but for the short tests of the studies, which `test` has. What studies call is
+# no proof of it, so it does not count as covered.
 test-full: setup .venv/ns3
 	@rm -rf build/coverage && mkdir -p build/coverage
 	COVERAGE_FILE=$(CURDIR)/build/coverage/data $(PYTEST) -m "not system" --hypothesis-profile=full \
 	    --ignore=tests/studies --cov --cov-fail-under=95
-	$(PYTEST) -m "not system" --hypothesis-profile=full tests/studies
+	$(PYTEST) -m "full and not system" --hypothesis-profile=full tests/studies
 
 lint: setup
 	$(BIN)/ruff check .
