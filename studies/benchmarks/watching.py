@@ -308,8 +308,8 @@ def tables(flown: Mapping[Case, Flown], line: float) -> list[Table]:
             columns,
             (*sorted(rows, key=lambda row: row[0] == ALL.name), ("logs as JSON", *logs)),
             "Processor time of the robots' daemons. Two teams that fly the same traffic are watched by turns of"
-            f" {TURN:g} s (a quarter of that in a quick look), while one is the other is not; {SWITCH:g} s before each turn"
-            " are left out, and a first round in which all that is needed is loaded. What watches"
+            f" {TURN:g} s (a quarter of that in a quick look), while one is the other is not; {SWITCH:g} s before each"
+            " turn are left out, and a first round in which all that is needed is loaded. What watches"
             " takes besides in processes of its own is not counted. `top` and `why`, which asks about one stream, ask"
             " as often as by default. What `why` tells is kept in any case. Of logs it is measured what a line takes"
             f" longer as JSON than as text, {line * 1e6:.0f} us, and how many there are.",
