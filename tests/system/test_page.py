@@ -55,7 +55,12 @@ def settled(browser):
 
 
 def says(browser, selector, text):
-    browser.wait(f"document.querySelector({selector!r})?.innerText.includes({text!r})", f"{text!r} in {selector}")
+    try:
+        browser.wait(f"document.querySelector({selector!r})?.innerText.includes({text!r})", f"{text!r} in {selector}")
+    except AssertionError as error:
+        shown = browser.run(f"document.querySelector({selector!r})?.innerText")
+        focused = browser.run("document.activeElement.outerHTML.slice(0, 200)")
+        raise AssertionError(f"{error}; it says {shown!r}, and what has the focus is {focused}") from None
 
 
 def test_pictures_move_and_what_is_red_now_is_framed(page, fleet):
