@@ -1,23 +1,19 @@
 """What robots tell each other, booked against the allowance, which the limits leave to it.
 
 It may be spent ahead of time (`digest_budget.py`): then a window holds more digests than the limits leave room for.
-What is more counts against the limits as samples of others do. Without that 5.8 % of the windows of the first 8 s of
-eight robots with cameras and small samples were over the limit, by up to 1.30, and are now 1.0, by 1.10 (2 ms, eight
-seeds); of eight with cameras alone 1.1 % were, and 0.1 are.
+Where that counted against the limits like samples as many windows were over the limit, with the same utility.
 """
 
 import math
 
 from proxy.core.coordination.budget import Budget
-from proxy.core.gossip.digest_budget import DigestBudget, RecentBytes
+from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
-from proxy.core.model.limits import allowance_of, shortest_window, use_of
+from proxy.core.model.limits import allowance_of, shortest_window
 from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, State
 from proxy.core.view.view import SharedView
-
-KILOBYTE = 1000
 
 
 class Account:
@@ -31,8 +27,6 @@ class Account:
         """What all robots may tell each other [B/s]."""
         self.told, self.heard = 0, 0
         """What this robot and the others told since the start, copies and overhead included [B]."""
-        self._lately, self._counted, self._window = RecentBytes(), RecentBytes(), 0.0
-        """What all told in the last window, what of that counts against the limits, and how long that is [s]."""
 
     def set_rate(self, part: float, *, follows: bool) -> None:
         """Set the rate for the team as it is. This `part` of the allowance is left; limits may follow the channel."""
@@ -41,7 +35,6 @@ class Account:
         copies = 1 if self._view.settings.digests_on_air else robots
         rate = (1.0 if follows else TUNING.digests) * self._allowance
         self._budget.set_rate(rate, robots, copies, follows=follows)
-        self._window = self.window
 
     def described(self) -> dict[str, float]:
         """Return what the status says: the allowance of all robots [B/s], and what this one and others told [B]."""
@@ -68,14 +61,14 @@ class Account:
         """A digest of another robot, of so many bytes, came; those that were lost are booked with it."""
         sent, copies = round(size / (1.0 - self._view.paths.mean_loss())), self.digest_copies
         self._budget.heard(now, sent, copies)
-        self.heard += self._cost(now, sent, copies)
+        self.heard += _cost(sent, copies)
 
     def heard_state(self, now: float, state: State, size: int) -> None:
         """A state of another robot, of so many bytes, came: an update went to all, a whole state mostly to us alone."""
         copies = self.copies if state.since else 1
         if state.since and state.split is not None:
             self._budget.heard(now, size, copies)
-        self.heard += self._cost(now, size, copies)
+        self.heard += _cost(size, copies)
 
     def sent_digest(self, now: float, digest: Digest, *, announces: bool) -> None:
         """A digest of ours goes out. Where it is broadcast it carries its whole key, else a number for the key."""
@@ -83,38 +76,20 @@ class Account:
         key = TUNING.on_air + len(self._view.settings.robot) if on_air else 0
         size, copies = len(pack_digest(digest)) + key, self.digest_copies
         self._budget.sent(now, size, copies, announces=announces)
-        self.told += self._cost(now, size, copies)
+        self.told += _cost(size, copies)
 
     def sent_parts(self, now: float, size: int) -> None:
         """An update of our state, of so many bytes, tells all of parts: that is paid for as digests are."""
         self._budget.sent(now, size, self.copies, announces=True)
-        self.told += self._cost(now, size, self.copies)
+        self.told += _cost(size, self.copies)
 
     def sent_other(self, now: float, size: int, copies: int) -> None:
         """A state or a question of ours, of so many bytes, goes out in so many copies."""
         self._budget.advance(now)
         self._budget.states.owe(size, copies)
-        self.told += self._cost(now, size, copies)
+        self.told += _cost(size, copies)
 
-    def _cost(self, now: float, size: int, copies: int) -> int:
-        """Return what so many bytes in so many copies take [B]; that much is told now.
 
-        What exceeds the allowance of a window counts against the limits like a sample, up to a part of them.
-        """
-        cost, lately, counted = (size + TUNING.overhead) * max(1, copies), self._lately, self._counted
-        lately.forget(now - self._window)
-        lately.add(now, cost)
-        beyond = lately.total - self._allowance * self._window
-        if beyond > TUNING.announcement:
-            counted.forget(now - self._window)
-            more = round(min(beyond, TUNING.counted * self._room()) - counted.total)
-            if more > TUNING.announcement:
-                counted.add(now, more)
-                self._view.traffic.note_unknown(now, more)
-        return cost
-
-    def _room(self) -> float:
-        """Return how many bytes the limits leave to samples of a window."""
-        limits = self._limits.limits
-        uses = zip(limits, use_of(KILOBYTE, 1, limits, own=False), strict=True)
-        return min((KILOBYTE * c.limit / use for c, use in uses if use > 0.0), default=0.0)
+def _cost(size: int, copies: int) -> int:
+    """Return what so many bytes take in so many copies [B]."""
+    return (size + TUNING.overhead) * max(1, copies)

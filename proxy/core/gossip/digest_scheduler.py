@@ -194,7 +194,7 @@ class DigestScheduler:
         """Whether we sent something since the last digest that changes what others plan, or will with a new stream."""
         if not self._announcements.needed:
             return False
-        if self._introduces and self._coordination.split_in_force is None:  # parts do not depend on others' rhythms
+        if self._introduces:
             return True
         return self._sent_something and self._announcements.changes_plans(self._view.traffic.largest)
 

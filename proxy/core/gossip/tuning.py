@@ -68,10 +68,6 @@ class GossipTuning:
     deepest_debt: float = 10.0
     """Owed at most [s]: who tells more than its part silences nobody for long."""
 
-    counted: float = 0.2
-    """What is told beyond the allowance counts up to so much of a limit: where all of it did ten robots with equal
-    messages, of which five fit a window, sent one in their first 2.5 s, as to agree on parts takes as much as five."""
-
     # When digests go, and what is in them.
     slowest_digest: float = 1.0
     """A digest goes out at least this often, and each peer is echoed at most so often [s]."""

@@ -29,7 +29,7 @@ class Books:
         limits = (OWN_ENERGY,) if private else limits_of(specs, ALLOWANCE, peers + 1)
         coordination = Coordination(0.0, self.view.settings, self.view)
         coordination.set_limits(0.0, limits)
-        in_force = self.in_force = Budget(self.view, coordination)
+        in_force = Budget(self.view, coordination)
         in_force.set_limits(limits)
         self.budget = DigestBudget(0.0)
         self.account = Account(self.view, in_force, self.budget)
@@ -128,27 +128,3 @@ def test_the_status_says_what_was_told_and_heard(make_books):
         "told": 2 * (20 + TUNING.overhead),
         "heard": books.account.digest_copies * (40 + TUNING.overhead),
     }
-
-
-@pytest.mark.parametrize("tell", ["heard", "sent"])
-def test_what_is_told_beyond_the_allowance_counts_as_sent_by_others(make_books, tell):
-    """So who plans leaves it its room; what the allowance has room for does not count, and no more than a part does."""
-    books = make_books()
-    traffic, room = books.view.traffic, books.in_force.limits[0].limit
-    say = {
-        "heard": books.account.heard_digest,
-        "sent": lambda now, size: books.account.sent_other(now, size, 2),
-    }[tell]
-    copies, now, told = 2, 1.0, 0
-    while told + copies * (40 + TUNING.overhead) <= books.allowed:
-        now, told = now + 0.001, told + copies * (40 + TUNING.overhead)
-        say(now, 40)
-    assert not traffic.sends
-    say(now + 0.001, 200)
-    beyond = told + copies * (200 + TUNING.overhead) - books.allowed
-    assert traffic.used(now + 0.001, books.in_force.limits[0]) == pytest.approx(beyond, abs=1.0)
-    for number in range(100):
-        say(now + 0.002 + 0.001 * number, 200)
-    counted = traffic.used(now + 0.2, books.in_force.limits[0])
-    assert counted == pytest.approx(TUNING.counted * room, abs=TUNING.question)
-    assert traffic.used(now + 2.0 * WINDOW, books.in_force.limits[0]) == 0.0
