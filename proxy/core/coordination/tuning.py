@@ -30,7 +30,7 @@ class CoordinationTuning:
     overheard_news: float = 0.2
     """Where samples that come seldom are overheard a team splits where news take this part of the shortest window: at
     300 ms ten robots with equal messages reached 90 and 81 (most important), 93 and 91 (mixed), 93 and 99 % (few) of
-    the bound in parts, and reach 91 to 92, 98, and 97 and 99, with up to 3 % of the windows over the limit (five and
+    the bound in parts, and reach 91 to 92, 98, and 98 and 99, with up to 4 % of the windows over the limit (five and
     ten messages in 2.5 s, three seeds); at 500 ms and five messages 72 (most important), though."""
     rhythm_time: float = 1.5
     """Who begins splits until it knows how often its large samples come: so long at most [s]."""

@@ -58,7 +58,8 @@ def _unheard_since(now: float, view: SharedView, c: Candidate, limits: Limits, l
     use = use_of(stream.newest.size, c.copies, limits.union, own=False)
     if not (view.subscribers.overhears(stream.robot) or changes_plans(use, limits.union)):
         return max(heard, now - longest)
-    return max(heard, now - _latency(view, c) - TUNING.overheard_within - schedule.jitter)
+    within = TUNING.agreed_within + view.staleness.delay if limits.agreed else TUNING.overheard_within
+    return max(heard, now - _latency(view, c) - within - schedule.jitter)
 
 
 def _latency(view: SharedView, c: Candidate) -> float:
