@@ -171,6 +171,8 @@ def test_losses_are_found_on_both_ends(losing):
             (peer.inbound.loss, peer.inbound._losses._read),
             (told.outbound.loss, told.outbound._losses._read),
         ):
-            among = ways[counts[0][0] : counts[-1][0]]  # those that it was told of
-            assert len(among) > len(ways) / 2
-            assert found == pytest.approx(np.mean([d.t_rcv is None for d in among]), abs=0.08)
+            told_of = counts[-1][0] - counts[0][0]  # from the first news on, which came after a few samples
+            assert told_of > len(ways) / 2
+            lost = [d.t_rcv is None for d in ways]
+            shares = [np.mean(lost[first : first + told_of]) for first in range(len(ways) - told_of + 1)]
+            assert min(abs(found - share) for share in shares) < 1.5 / told_of  # one may be under way
