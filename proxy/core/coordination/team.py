@@ -63,8 +63,8 @@ class Team:
 
     @property
     def agrees(self) -> bool:
-        """Whether each robot plans the same for all."""
-        return self.seldom and not self.splits
+        """Whether each robot plans the same for all: not where it would split, and cannot agree on parts."""
+        return self.seldom and not (self._splits_seldom or self.splits)
 
     @property
     def begins_split(self) -> bool:

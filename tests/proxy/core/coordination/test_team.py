@@ -173,6 +173,7 @@ def test_where_large_samples_come_seldom_a_team_splits(make_team, known, splits)
     rhythms(team, **({"size": fifth, "others": fifth} | known))
     team.look()
     assert team.coordination.team.seldom is splits
+    assert not team.coordination.team.agrees, "nobody overhears anything"
 
 
 def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come(make_team):
