@@ -10,7 +10,7 @@ import platform
 
 from proxy.tuning import TUNING
 
-_LIBC = ctypes.CDLL(None, use_errno=True)
+_LIBC = ctypes.CDLL(None)
 _SET_ATTRIBUTES = {"x86_64": 314, "aarch64": 274}
 """sched_setattr(2) of <asm/unistd.h>, by machine."""
 

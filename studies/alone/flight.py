@@ -40,19 +40,18 @@ def fly_alone(
     seed: int,
     horizon: int = 60,
     broadcast: bool = True,
-    decision_time: float = DECISION_TIME,
 ) -> Flight:
     """Let every robot decide its messages when they are generated, with windows of `horizon` messages.
 
     `fresh` makes the policy of each robot; one that draws is `dealt` numbers of its own from the `seed`. `carry` makes
     the network on the agenda of the flight, with all members of the mission on it. All of them hear what is broadcast;
-    otherwise each gets a copy. What is decided goes `decision_time` later [s], as in a team.
+    otherwise each gets a copy. What is decided goes `DECISION_TIME` later, as in a team.
     """
     names = sorted(mission.interests)
     robots = {name: Robot(mission.problem, horizon) for name in names}
     policies = {name: _dealt(fresh(mission.problem), f"{seed} {name}") for name in names}
     agenda = Agenda()
-    return _Flying(mission, robots, policies, carry(agenda), agenda, broadcast, decision_time).fly()
+    return _Flying(mission, robots, policies, carry(agenda), agenda, broadcast).fly()
 
 
 @dataclass(slots=True)
@@ -65,7 +64,6 @@ class _Flying:
     network: Network
     agenda: Agenda
     broadcast: bool
-    decision_time: float
     flight: Flight = field(default_factory=Flight)
 
     def fly(self) -> Flight:
@@ -83,10 +81,10 @@ class _Flying:
         send = self.policies[frame.robot](window)
         self.flight.decisions.append(process_time() - begin)
         if send:
-            self.agenda.at(t + self.decision_time, partial(self._send, frame, current))
+            self.agenda.at(t + DECISION_TIME, partial(self._send, frame, current))
 
     def _send(self, frame: Frame, decided: Message, t: float) -> None:
-        message = decided._replace(t_sent=t, t_rcv=decided.t_rcv + self.decision_time)
+        message = decided._replace(t_sent=t, t_rcv=decided.t_rcv + DECISION_TIME)
         told, flight = self.robots[frame.robot].send(message), self.flight
         others = [name for name in self.robots if name != frame.robot]
         copies = 1 if self.broadcast else len(others)

@@ -266,17 +266,18 @@ class Gate:
         stream = self.appraisal.stream_of(now, sample)
         use = self.appraisal.use(stream, sample)
         lacking = self.appraisal.lacking_beside_booked(now, use) if plan.send else ()
-        overtaken = bool(lacking) and pending.ticket == self._overtaken
-        if overtaken and stream is not None and self._waits.give_way(now, stream, sample, now):
-            self.decisions.log.note(now, sample.key, sample, Why(WAITS, SEARCH, lacking, beside, None, searched))
-            return []
+        until = now if lacking and pending.ticket == self._overtaken else -math.inf
         if plan.send and not lacking:
             lacking, until = self.appraisal.lacking_beside_rivals(now, stream, use)
             beside = RIVALS
-            if lacking and stream is not None and self._waits.give_way(now, stream, sample, until):
-                self.decisions.log.note(now, sample.key, sample, Why(WAITS, SEARCH, lacking, beside, None, searched))
-                return []
-        if plan.send and not lacking and stream is not None and self._waits.for_channel(now, stream, sample):
+        waits = False
+        if plan.send and stream is not None:
+            waits = (
+                until > -math.inf and self._waits.give_way(now, stream, sample, until)
+                if lacking
+                else self._waits.for_channel(now, stream, sample)
+            )
+        if waits:
             self.decisions.log.note(now, sample.key, sample, Why(WAITS, SEARCH, lacking, beside, None, searched))
             return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"

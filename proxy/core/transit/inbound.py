@@ -194,9 +194,10 @@ class Inbound:
     def _under_way(self, now: float, incoming: Incoming, news: StreamDigest) -> bool:
         """Whether the last sample that a robot sent has not come, and may come yet."""
         sent = self._offset.ours(news.t_forwarded)
+        if not news.forwarded or incoming.at >= sent:
+            return False
         line = self._usually(now)
-        takes = TUNING.slow_sample * line.of(news.size) if line else TUNING.oldest_arrival
-        return news.forwarded > 0 and incoming.at < sent and now < sent + takes
+        return now < sent + (TUNING.slow_sample * line.of(news.size) if line else TUNING.oldest_arrival)
 
     def _compare(self, incoming: Incoming, news: StreamDigest) -> None:
         """All samples that were sent came, so the news tells when the last one was sent, whatever its timestamp.
