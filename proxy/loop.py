@@ -85,7 +85,7 @@ class Loop:
         self._numbers = itertools.count()
         self._refusing = threading.Lock()
         self._wall = clock.WallWatch(core.view.clocks.offset, clock_error)
-        self._preparation = Preparation()
+        self.preparation = Preparation()
         self._thread = threading.Thread(target=self._run, name="loop", daemon=True)
 
     def start(self) -> None:
@@ -299,7 +299,7 @@ class Loop:
             event = item() if callable(item) else item
             if event is not None:
                 self.handle(event)
-            self._preparation.follow(self.core)
+            self.preparation.follow(self.core)
             now = clock.monotonic()
             wall = self._wall.look(now)
             if wall is not None:

@@ -1,7 +1,7 @@
 """Everything that crosses between the apps and the mesh, put together."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,6 +40,8 @@ class CoreLink:
     submit: Submit
     post: Callable[[Event], None]
     note: Callable[[Event], object]
+    wanted: Callable[[Collection[str]], None]
+    """Takes what nodes on the mesh have begun to want."""
 
 
 class Bridge:
@@ -146,6 +148,7 @@ class Bridge:
             neighbours=neighbours,
             passed=self._passed,
             post=self._core.post,
+            wanted=self._core.wanted,
             live=self._live,
             fence=fence,
         )

@@ -4,7 +4,7 @@ import logging
 import math
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Protocol
 
 import zenoh
@@ -61,6 +61,7 @@ class Mirroring:
         neighbours: Neighbours,
         passed: Passed,
         post: Callable[[Event], None],
+        wanted: Callable[[Collection[str]], None],
         live: LiveRuntime,
         fence: Fence,
     ) -> None:
@@ -76,7 +77,7 @@ class Mirroring:
         self._rules = rules
         self._neighbours = neighbours
         self._passed = passed
-        self._post = post
+        self._post, self._wanted = post, wanted
         self._live = live
         self._wake = sides.wake
         self._fence = fence
@@ -211,6 +212,8 @@ class Mirroring:
         taken = self._ingress.update(self._rules.out.crossing("subscribers", {**wanted, **self._retained_now}))
         # What we subscribe to ourselves from now on needs its witnesses: at once, for it may be told already.
         self._stirred = asked or taken
+        if taken:
+            self._wanted(self._ingress.declared)
         if self._stirred:
             self._wake.set()
 

@@ -44,12 +44,23 @@ class StateAnnouncements:
         """When to look whether our state is news."""
         self._large_is_new = False
         """Whether a stream that others plan with is news."""
+        self._subscriptions_are_new = False
+        """Whether what our apps subscribe to is."""
         self._push_at, self._pushed = math.inf, -math.inf
         """When our state is sent to all robots that have come, and when it was sent so last [s]."""
 
     def review(self, at: float) -> None:
         """Our state may be news; look then [s]."""
         self._review_at = min(self._review_at, at)
+
+    def subscribed(self, now: float) -> None:
+        """Our apps subscribe to other keys: nobody plans for streams that nobody is known to want.
+
+        Where that waited for the allowance eight robots, of which each knew by Zenoh that its own stream was wanted,
+        planned for themselves for 3 s after an operator's application began: up to five sent at one moment.
+        """
+        self._subscriptions_are_new = True
+        self.review(now)
 
     def sample_came(self, now: float, size: int, *, new: bool) -> None:
         """A stream of ours, which may be `new`, has a sample of so many bytes, so its period may have changed.
@@ -101,13 +112,20 @@ class StateAnnouncements:
         return commands
 
     def _allowed_at(self, now: float) -> float:
-        """When a state may follow the last one: once that is paid for, or at once if others plan with the news [s]."""
-        ahead = self._large_is_new and not self._coordination.team.large
-        return max(self._announced_at + TUNING.states_apart, now if ahead else now + self._budget.paid_in)
+        """When a state may follow the last one: once that is paid for, or at once if others plan with the news [s].
+
+        So may subscriptions if no more than one state is owed, for applications may change them all the time.
+        """
+        owed, ahead = self._budget.paid_in, self._large_is_new
+        if self._subscriptions_are_new:
+            ahead |= owed <= self._budget.takes(len(pack_state(self.state)), self._account.copies)
+        ahead = ahead and not self._coordination.team.large
+        return max(self._announced_at + TUNING.states_apart, now if ahead else now + owed)
 
     def _announce(self, now: float, mode: Mode) -> list[Command]:
         """Announce what is new of our state, or all of it, or nothing."""
-        self._review_at, self._reviewed_at, self._large_is_new = math.inf, now, False
+        self._review_at, self._reviewed_at = math.inf, now
+        self._large_is_new = self._subscriptions_are_new = False
         state, left_out = shortened(state_of(self._view, mode))
         if self.state.number and not differs(self.state, state):
             return []

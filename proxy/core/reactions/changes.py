@@ -70,7 +70,7 @@ class Changes:
     def interest(self, event: ev.InterestChanged) -> list[Command]:
         """The apps of this robot subscribe to other keys."""
         self._view.subscribers.set_own(event.keys)
-        self._states.review(event.now)
+        self._states.subscribed(event.now)
         return []
 
     def matching(self, event: ev.MatchingChanged) -> list[Command]:

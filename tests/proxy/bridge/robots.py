@@ -60,7 +60,7 @@ class Robot:
         sides = self._sides
         neighbours = Neighbours(sides.app, "robot", str(sides.mesh.zid()), sides.wake.set)
         self._stack.callback(neighbours.close)
-        core = CoreLink(self._submit, self.events.append, self.events.append)
+        core = CoreLink(self._submit, self.events.append, self.events.append, lambda _: None)
         self.bridge = Bridge(
             self._config, sides, self._live, neighbours=neighbours, hold_back=HoldBack(lambda _: ""), core=core
         )

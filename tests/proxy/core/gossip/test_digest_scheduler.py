@@ -61,6 +61,26 @@ def test_states_follow_each_other_slowly(make_talk):
     assert talk.core.gossip.states.state == states[-1].state
 
 
+def test_what_applications_subscribe_to_is_told_ahead_of_the_allowance(make_talk):
+    """Others plan for nothing that nobody is known to want. Where it changes all the time it waits as other news do."""
+    talk = make_talk()
+    talk.want(0.0)
+    talk.tell(ev.TimePassed(60.0))
+    before = len(talk.all(SendState))
+    talk.tell(ev.InterestChanged(60.1, ("robot/*/camera",)))
+    assert talk.all(SendState)[before:][-1].state.subscriptions == ("robot/*/camera",)
+    for step in range(1, 100):
+        talk.tell(ev.InterestChanged(60.1 + 0.3 * step, (f"robot/{step}/camera",)))
+    states = talk.all(SendState)[before:]
+    assert 1 < len(states) <= 2 + 2 * 29.7 / _state_takes(talk)
+
+
+def _state_takes(talk):
+    """For how long a state takes what may be spent on states [s]."""
+    gossip = talk.core.gossip
+    return gossip.budget.states.takes(len(pack_state(gossip.states.state)), gossip.account.copies)
+
+
 def test_what_is_due_next_is_known(talk):
     """A state that may be news, at once or soon."""
     talk.tell(ev.TimePassed(10.0))
