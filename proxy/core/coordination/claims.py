@@ -33,9 +33,9 @@ just have sent (`Team.agrees`), and ten robots with equal messages reach 2 to 5 
 with 0 to 1 % of the windows over. Where samples wait for the room that others leave it does not do: of eight robots
 with cameras and small samples half of the windows were over the limit.
 
-Of a stream that never sent a receiver has nothing, so its claim is that of a whole life. Of two such the name decides:
-when each began is known to others from numbers alone, and where they compared that each of two took the other's claim
-for the better one, and both waited. Of eight robots with cameras and small samples, whose applications began 3 s after
+Of a stream that never sent a receiver has nothing, so its claim is the best. Of two such the name decides: when each
+began is known to others from numbers alone, and where they compared that each of two took the other's claim for the
+better one, and both waited; where they compared what a byte gains several led, as each knew other sizes. Of eight robots with cameras and small samples, whose applications began 3 s after
 the daemons, the last one's first frame went after 5.2 s in the mean, and goes after 2.4 (one decider: 4.5; four seeds).
 """
 
@@ -48,7 +48,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Standing
-from proxy.core.model.limits import Limit, changes_plans, exceeds, use_of
+from proxy.core.model.limits import Limit, changes_plans, use_of
 from proxy.core.view.stream import Stream, excess
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import initial
@@ -110,10 +110,6 @@ def rivals(
     """
     claims = [] if agreed else _claims(now, view, disputes, stream, limits)
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
-    if stream.sent is None and now < (known := stream.began + TUNING.first_news):
-        alike = use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits)
-        if changes_plans(alike, limits) and not exceeds(TUNING.seldom_size, alike, limits):
-            taken, until = both(taken, [_strangers(now, view) * use for use in alike]), known
     if not claims:
         return taken, until
     ours, news, opened = claim(now, stream), news_take(view), grew(now)
@@ -211,14 +207,11 @@ def _taken_by_new(now: float, view: SharedView, stream: Stream, limits: tuple[Li
     return taken
 
 
-def _strangers(now: float, view: SharedView) -> int:
-    """Return how many robots that have just been met may begin to send now, as nobody has heard of what they send."""
-    return sum(not peer.told for peer in view.newcomers.met_lately(now))
-
-
 def claim(now: float, stream: Stream) -> Claim:
-    """Return the claim of a stream: of `current` it gains by what it ends, too. What never sent has that of a life."""
-    since = TUNING.worthless if stream.sent is None else max(0.0, now - stream.sent.t_sent)
+    """Return the claim of a stream: of `current` it gains by what it ends, too. What never sent has the best one."""
+    if stream.sent is None:
+        return math.inf, stream.robot
+    since = max(0.0, now - stream.sent.t_sent)
     utility, over = stream.information_type.utility, excess(stream)
     anew = integral(utility, since)
     gain = stream.newest.scale * ((1.0 + TUNING.claim_worth) * anew - (integral(utility, 2.0 * since) - anew))

@@ -176,9 +176,11 @@ class Team:
         return 1 + sum(not self._view.newcomers.only_listens(peer) for peer in self._others())
 
     def _streams_each(self) -> float:
-        """Return how many streams a robot has in the mean, as states tell."""
-        view, told = self._view, [len(peer.told) for peer in self._others() if peer.told]
-        return (sum(1 for _ in view.streams.own()) + sum(told)) / (1 + len(told))
+        """Return how many streams a robot has in the mean, as states tell; small ones beside others do not count."""
+        robots: list[list[float]] = [[stream.sizes.mean for stream in self._view.streams.own()]]
+        robots += [[each.size for each in peer.told.values()] for peer in self._others() if peer.told]
+        counts = [sum(size >= TUNING.even_size * max(sizes) for size in sizes) for sizes in robots]
+        return sum(counts) / len(counts)
 
     def _others(self) -> Iterator[Peer]:
         """Yield the others that take part."""

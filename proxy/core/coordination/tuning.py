@@ -56,7 +56,10 @@ class CoordinationTuning:
     even_robots: int = 3
     """... so many robots have something to send..."""
     even_streams: float = 3.0
-    """... and so many streams each, so that they are alike: of robots with one camera each who sees more needs more."""
+    """... and so many streams each, so that they are alike: of robots with one camera who sees more needs more..."""
+    even_size: float = 0.02
+    """... where those do not count that are so much smaller than the robot's largest one: sixteen robots, each with a
+    camera, a battery and a position, had equal parts, and sent as many frames that show red as others."""
     varied_margin: float = 0.06
     """Where several robots plan for all, and all large samples vary in size, so much of each limit is left: five robots
     with samples of random sizes had 0.9 % of windows over the limit at 20 ms instead of 2.9, with the same utility, and
@@ -130,10 +133,13 @@ class CoordinationTuning:
     """What generates at random counts as taken by this power of the probability that it did. Five robots with samples
     of random sizes reached 94.6 to 97.1 % of a central decider with 0.6 to 2.5 % of windows over at 0.25, 95.3 to 97.8
     with 1.3 to 3.0 at 0.3, and 95.6 to 98.8 with 2.1 to 3.4 at 0.5 (four seeds; 20 and 100 ms, unicast, broadcast)."""
-    first_news: float = 0.15
-    """A new stream whose samples are no larger than `seldom_size` leaves room for as many as there are robots that have
-    just been met and have not said what they send, for so long [s]: two of ten robots with equal messages that began
-    within 13 ms sent at one moment, where news take 20."""
+    first_time: float = 0.4
+    """Who begins to send lets others that may begin at the same moment go first for so long at most [s]..."""
+    first_few: int = 2
+    """... where more than so many may: two robots and an operator filled one first window of eight to 1.3 limits, and
+    the others to 0.96..."""
+    first_apart: float = 0.045
+    """... each so much after the one before, or by as much as news take where that is longer [s]."""
     claim_worth: float = 0.2
     """Of what a sample is worth by itself this part counts in a claim."""
     claim_tolerance: float = 0.003

@@ -3,6 +3,8 @@
 import math
 
 from proxy.core.coordination.claims import Lead, news_take, opening
+from proxy.core.coordination.first_sends import first_at
+from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.market.pace import carried, pace_part
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans, longest_window
@@ -54,7 +56,10 @@ class Waits:
 
     def postpone(self, now: float, sample: Waiting) -> bool:
         """Let a sample wait if there is a reason to; return whether it waits."""
-        return bool(self._budget.limits) and (self._for_greetings(now, sample) or self._for_room(now, sample))
+        stream = self._appraisal.stream_of(now, sample) if self._budget.limits else None
+        if stream is None or self._appraisal.mode_of(stream) is not Mode.ENFORCE:
+            return False
+        return self._for_others(now, stream, sample) or self._for_room(now, stream, sample)
 
     def give_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
         """Put a sample back into the inbox until it is known what others have sent, or this time has come [s].
@@ -81,34 +86,30 @@ class Waits:
         self._inbox.rest(sample, until)
         return True
 
-    def _for_greetings(self, now: float, sample: Waiting) -> bool:
-        """Whether a large sample waits for what robots that have just been met sent lately.
+    def _for_others(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Whether a large sample waits for what robots that have just been met sent lately, or that begin as we do.
 
         Without that a robot that joined sent its first frame beside two of theirs, and the window held 1.4 limits.
         """
-        until = self._view.newcomers.greeted_by(now)
-        if now >= until:
-            return False
-        stream = self._appraisal.stream_of(now, sample)
-        if self._appraisal.mode_of(stream) is not Mode.ENFORCE:
+        until, begun = self._view.newcomers.greeted_by(now), now >= stream.began + COORDINATION.first_time
+        if begun and now >= until:
             return False
         if not changes_plans(self._appraisal.use(stream, sample), self._budget.limits):
+            return False
+        if not (begun or self._budget.alone):
+            until = max(until, first_at(now, self._view, stream, self._budget.limits))
+        if now >= until:
             return False
         self.wakes_at = min(self.wakes_at, until)
         return True
 
-    def _for_room(self, now: float, sample: Waiting) -> bool:
+    def _for_room(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a sample waits, as something we sent soon leaves the window, or behind others that do.
 
         Under the same limits room never opens earlier than it seemed to at first.
         """
         appraisal = self._appraisal
-        stream = appraisal.stream_of(now, sample)
-        if (
-            stream is None
-            or appraisal.mode_of(stream) is not Mode.ENFORCE
-            or not self._view.subscribers.gaining(stream)
-        ):
+        if not self._view.subscribers.gaining(stream):
             return False
         standing = appraisal.weigh(now, stream, sample)
         until = sample.t_gen + self._disputes.patience(stream, standing)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from proxy.core.coordination.tuning import TUNING
 from studies.simulation.traffic.comparison import Cell, how_of
 from studies.simulation.traffic.flights import crew
 
@@ -31,11 +32,18 @@ def flown(workload, robots, contender, seed=0, later=0.0):
 @pytest.mark.parametrize("contender", ["announce/unicast", "announce/broadcast"])
 @pytest.mark.parametrize("robots", [8, pytest.param(10, marks=pytest.mark.full)])
 def test_a_team_of_equal_messages_sends_its_first_one_as_it_comes(contender, robots):
-    """None fits an equal part, and to agree on others takes seconds; until then all plan for all, within the limit."""
-    times, held, _ = flown("uniform-mixed", robots, contender)
-    assert times[0] < 0.5
-    assert sum(times < 2.5) >= 4
-    assert held.max() <= 1.0
+    """None fits an equal part, and to agree on others takes seconds; until then all plan for all, first in turns.
+
+    Within the limit: that two send what only one of them may is seldom.
+    """
+    over = 0
+    for seed in range(3):
+        times, held, _ = flown("uniform-mixed", robots, contender, seed)
+        assert times[0] < 0.5 + TUNING.first_time
+        assert sum(times < 2.5) >= 4
+        assert held.max() <= 1.15
+        over += held.max() > 1.0
+    assert over <= 1
 
 
 def test_a_team_that_was_switched_on_long_before_sends_as_soon():

@@ -244,11 +244,24 @@ def test_robots_whose_samples_are_small_have_equal_parts_at_once_where_news_cost
     assert team.coordination.part(team.now, 0) == 1.0
 
 
-def tell(team, robots, streams):
-    """The states of these robots have come, who have so many streams each."""
+def test_small_streams_beside_a_large_one_are_no_reason_for_equal_parts(make_team):
+    """Whose camera sees more needs more."""
+    team = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1)
+    tell(team, names(TUNING.even_robots), 6, size=100, first=10_000)
+    team.look(announcing=99.0)
+    assert not team.coordination.team.quiet
+    tell(team, names(TUNING.even_robots), 6, size=1_000, first=10_000)
+    team.look(announcing=99.0)
+    assert team.coordination.team.quiet
+
+
+def tell(team, robots, streams, size=0, first=0):
+    """The states of these robots have come, who have so many streams each, of such sizes."""
     for name in robots:
         keys = [f"robot/{name}/camera{number}" for number in range(streams)]
-        team.view.peers[name].told = {key: StreamState(1, key, "camera", 1.0) for key in keys}
+        sizes = [first, *[size] * (streams - 1)]
+        told = zip(keys, sizes, strict=True)
+        team.view.peers[name].told = {key: StreamState(1, key, "camera", 1.0, size=each) for key, each in told}
 
 
 def test_who_hears_nothing_of_the_others_keeps_to_its_part(make_team):

@@ -243,7 +243,7 @@ def test_only_who_has_the_best_claim_waits_for_room_that_others_leave(talk, wort
     talk.tell(ev.PeerAppeared(3.0, "r2", "z-r2"))
     talk.tell(ev.StateHeard(3.0, State("r2", "z-r2", "enforce", "", told, (), number=1)))
     for k in range(10):
-        news = StreamDigest(1, k + 1, 0, 3.0 + 0.1 * k, 0.0, FRAME, worth)
+        news = StreamDigest(1, k + 2, 1, 3.0 + 0.1 * k, 1.95, FRAME, worth)
         talk.tell(ev.DigestHeard(3.05 + 0.1 * k, Digest("r2", tag("z-r2"), 3.04 + 0.1 * k, streams=(news,), state=1)))
     talk.tell(ev.SampleHeard(4.0, "robot/r3/camera", 60_000, "zz-unknown", None, {"red": 0.0}))
     sample, said = talk.publish(4.45, "robot/r1/camera", size=FRAME)
