@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 
+from proxy.priority import raise_priority
 from studies.demo import cue
 from studies.demo.air import Air
 from studies.demo.app import write_log
@@ -307,6 +308,7 @@ def main() -> None:
     parser.add_argument("--log", type=Path, help="file for one line of JSON per served chunk")
     arguments = parser.parse_args()
     stop = cue.stop_on_signal()
+    raise_priority()  # as daemons do that may: a radio does not wait for a processor
     with write_log(arguments.log) as log:
 
         def note(t: float, source: str, sink: str, size: int) -> None:
