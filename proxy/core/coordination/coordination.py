@@ -184,6 +184,7 @@ class Coordination:
                 self.hollow.advance(now, self._view, limits, splits=self.team.splits)
             self.keeps = self.hollow.equal_part(self._view) if self.hollow.found(now) else 0.0
             self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
+            self._view.audiences.take_alike(alike=self.team.agrees)
             self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
             if self._split is not None:
                 self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)

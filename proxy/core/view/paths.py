@@ -31,6 +31,11 @@ class Fan:
         self.mean = _mean(line for line, _ in known.values() if line is not None)
         self._known = sorted(known.items())
 
+    @property
+    def alike(self) -> "Fan":
+        """The same, with the mean loss on all ways."""
+        return Fan({name: (line, None) for name, (line, _) in self._known})
+
     def ways(self, gaining: tuple[str, ...], size: float, lost: float) -> list[Way]:
         """Return the ways of a sample of `size` [B] to those that gain by it; where a time is not known the mean is.
 

@@ -12,7 +12,7 @@ from proxy.core.view.paths import Way
 from proxy.core.view.stream import Generated
 from proxy.core.view.tuning import TUNING
 from proxy.core.view.view import SharedView
-from tests.proxy.core.view.met import join, team
+from tests.proxy.core.view.met import join, lose, team
 
 
 @pytest.fixture
@@ -38,6 +38,22 @@ def test_an_audience_is_looked_at_anew_when_somebody_joins_or_after_a_while(view
     for robot in ("r3", "r4"):
         view.gone(f"z-{robot}")
     assert view.audiences.of(1.0 + TUNING.ways_refresh, own).share == 1.0
+
+
+def test_where_all_ways_are_taken_alike_only_the_mean_loss_counts(view):
+    """What is known of a way by its own samples counts again where they are not."""
+    own, other = (view.streams.touch(0.0, robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
+    for stream in (own, other):
+        stream.note_generated(1, Generated(0.0, 1000, 1.0))
+    for name, sent, came in (("z-r2", 100, 100), ("z-r3", 20, 10), ("z-r4", 50, 45)):
+        lose(view.peers[name], sent, came)
+    known, mean = view.audiences.of(1.0, own).share, view.audiences.of(1.0, other).share
+    assert known != pytest.approx(mean)
+    view.audiences.take_alike(alike=True)
+    each = [view.audiences.of(1.0, stream).share for stream in (own, other)]
+    assert each == pytest.approx([3.0 * (1.0 - view.paths.mean_loss())] * 2)
+    view.audiences.take_alike(alike=False)
+    assert view.audiences.of(1.0, own).share == known
 
 
 def test_in_a_large_team_audiences_are_looked_at_anew_more_rarely(view):
