@@ -17,6 +17,8 @@ MODULE = "proxy.core.market.prices"
 """What the core imports when streams compete, and NumPy with it."""
 ENGINE = "planner.native_engine"
 """What searches with it."""
+MANY = 2000
+"""Of so many pairs of key expressions one will match: it is not looked for."""
 
 
 class Preparation:
@@ -44,8 +46,11 @@ class Preparation:
 
     def wanted(self, expressions: Collection[str], specs: Specs) -> None:
         """Nodes on the mesh want these key expressions: begin if the specs limit such streams. From any thread."""
-        planned = [key for each in specs.types if each.planned for key in each.keys] if specs.constraints else []
-        if not self.begun and any(intersects(each, key) for key in planned for each in expressions):
+        if self.begun or not specs.constraints:
+            return
+        planned = [key for each in specs.types if each.planned for key in each.keys]
+        many = len(planned) * len(expressions) > MANY
+        if many or any(intersects(each, key) for key in planned for each in expressions):
             self.begin()
 
     def begin(self) -> None:

@@ -13,7 +13,7 @@ from proxy.core.interface.events import PeerAppeared, SamplePublished, StateHear
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import State
 from proxy.loop import Loop
-from proxy.preparing import MODULE
+from proxy.preparing import MANY, MODULE
 from tests.ports import free_port
 from tests.waiting import wait_until
 from utility_specs import load_specs
@@ -148,4 +148,10 @@ def test_it_is_there_as_soon_as_zenoh_says_that_somebody_wants_what_a_spec_cover
         loop.preparation.wanted(wanted, load_specs(these))
         assert not loop.preparation.begun
     loop.preparation.wanted(("covered/*",), load_specs(specs))
+    wait_until(lambda: MODULE in sys.modules)
+
+
+def test_of_very_many_wanted_keys_none_is_looked_for(loop, specs):
+    """To look through them for each that comes would take longer than to load."""
+    loop.preparation.wanted([f"other/{number}" for number in range(MANY + 1)], load_specs(specs))
     wait_until(lambda: MODULE in sys.modules)
