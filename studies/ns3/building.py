@@ -1,4 +1,4 @@
-"""Compiles the shim to ns-3, once for each version of its source and of ns-3."""
+"""Compiles the shim to ns-3, once for each version of its source and of ns-3, and each place of that."""
 
 import hashlib
 import os
@@ -23,7 +23,7 @@ def shim() -> Path:
     Raises Ns3Unavailable where ns-3, in the version it is written for, or a C++ compiler is missing.
     """
     root, number = _installed()
-    library = _folder() / f"radio-{_fingerprint(number)}.so"
+    library = _folder() / f"radio-{_fingerprint(root, number)}.so"
     if not library.exists():
         _compile(root, library)
     return library
@@ -51,8 +51,9 @@ def _folder() -> Path:
     return folder
 
 
-def _fingerprint(number: str) -> str:
-    return hashlib.sha256(f"{number} {FLAGS} {MODULES} {SOURCE.read_text()}".encode()).hexdigest()[:16]
+def _fingerprint(root: Path, number: str) -> str:
+    """Tell a shim from others: it finds the libraries where they were when it was compiled."""
+    return hashlib.sha256(f"{root} {number} {FLAGS} {MODULES} {SOURCE.read_text()}".encode()).hexdigest()[:16]
 
 
 def _compile(root: Path, library: Path) -> None:

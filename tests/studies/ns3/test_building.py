@@ -16,6 +16,14 @@ def installed(monkeypatch, root, number="3.44.post0"):
     monkeypatch.setattr(building, "version", lambda _: number)
 
 
+def without_headers(root):
+    """Put files that are called as the libraries are into this folder; return it."""
+    (root / "lib64").mkdir(parents=True)
+    for module in building.MODULES:
+        (root / "lib64" / f"libns3.44-{module}.so").touch()
+    return root
+
+
 def test_without_ns3_it_is_said_how_to_install_it(monkeypatch):
     """ns-3 is no dependency: it would bring what its Python bindings need."""
     monkeypatch.setattr(building, "find_spec", lambda _: None)
@@ -41,11 +49,25 @@ def test_without_a_compiler_it_is_said_what_to_install(monkeypatch, tmp_path):
 
 def test_what_the_compiler_complains_of_is_shown_and_nothing_is_left(monkeypatch, tmp_path):
     """Libraries without headers, for instance."""
-    installed(monkeypatch, tmp_path)
-    (tmp_path / "lib64").mkdir()
-    for module in building.MODULES:
-        (tmp_path / "lib64" / f"libns3.44-{module}.so").touch()
+    installed(monkeypatch, without_headers(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     with pytest.raises(Ns3Unavailable, match=r"error-model\.h"):
         building.shim()
     assert not list((tmp_path / "cache" / "sendworthy" / "ns3").iterdir())
+
+
+def test_where_ns3_is_at_another_place_another_shim_is_compiled(monkeypatch, tmp_path):
+    """One finds the libraries only where they were when it was compiled."""
+    compiler = tmp_path / "c++"
+    compiler.write_text('#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\necho "$@" > "$2"\n')
+    compiler.chmod(0o755)
+    monkeypatch.setenv("CXX", str(compiler))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    shims = []
+    for name in ("one", "two"):
+        root = without_headers(tmp_path / name)
+        for _ in range(2):
+            installed(monkeypatch, root)
+            shims.append(building.shim())
+        assert f"-rpath,{root}" in shims[-1].read_text()
+    assert shims[0] == shims[1] != shims[2] == shims[3]
