@@ -2,7 +2,7 @@
 
 import logging
 import threading
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -170,7 +170,8 @@ class Daemon:
         self._neighbours = neighbours = Neighbours(sides.app, self.robot, str(sides.mesh.zid()), sides.wake.set)
         opening.callback(neighbours.close)
         hold_back = HoldBack(self._loop.core.view.origins.tag_of)
-        link = CoreLink(extractor.submit, self._loop.post, self._loop.note, self._wanted)
+        wanted, live = loop.preparation.wanted, self._live
+        link = CoreLink(extractor.submit, loop.post, loop.note, lambda keys: wanted(keys, live.runtime.specs))
         self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
         presence = self._make_presence(sides, hold_back)
         self._execution = Execution(bridge, presence, self._planning, extractor, self._loop)
@@ -205,10 +206,6 @@ class Daemon:
         # The paper's search comes with the paper's reduction; `best` has its own and ignores this.
         search = SearchSettings(search=planner.search, engine=planner.engine, reduction="paper")
         return Planning(search, planner.deadline, self._loop)
-
-    def _wanted(self, expressions: Collection[str]) -> None:
-        """Nodes on the mesh want these: what decisions compute with is loaded if specs limit any of it."""
-        self._loop.preparation.wanted(expressions, self._live.runtime.specs)
 
     def _make_presence(self, sides: Sides, hold_back: HoldBack) -> Presence:
         core, loop = self._loop.core, self._loop

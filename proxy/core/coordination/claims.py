@@ -181,10 +181,13 @@ def _claims(
     return [
         (_theirs(now, each, stream), each)
         for each in view.contention.all(now)
-        if each.robot != stream.robot
-        and disputes.weighed(each).standing in CLAIMING
-        and changes_plans(use_of(round(each.sizes.mean), view.subscribers.copies(each), limits, own=False), limits)
+        if each.robot != stream.robot and disputes.weighed(each).standing in CLAIMING and is_large(each, view, limits)
     ]
+
+
+def is_large(stream: Stream, view: SharedView, limits: tuple[Limit, ...]) -> bool:
+    """Whether samples of another robot's stream change what others plan."""
+    return changes_plans(use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits, own=False), limits)
 
 
 def _waits(stream: Stream) -> bool:

@@ -11,9 +11,9 @@ Sixteen with cameras filled a channel for 1.2 s ahead, and carried a sixth less 
 
 import math
 
-from proxy.core.coordination.claims import news_take
+from proxy.core.coordination.claims import is_large, news_take
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.model.limits import Limit, changes_plans, use_of
+from proxy.core.model.limits import Limit
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
@@ -22,7 +22,7 @@ def first_at(now: float, view: SharedView, stream: Stream, limits: tuple[Limit, 
     """Return when a large stream of ours that has just begun may send, for all that others may do [s]; −∞: at once."""
     if now >= stream.began + TUNING.first_time:
         return -math.inf
-    sent = {each.robot for each in view.contention.all(now) if each.sent is not None and _is_large(each, view, limits)}
+    sent = {each.robot for each in view.contention.all(now) if each.sent is not None and is_large(each, view, limits)}
     silent = [
         peer.robot
         for peer in view.peers.values()
@@ -33,8 +33,3 @@ def first_at(now: float, view: SharedView, stream: Stream, limits: tuple[Limit, 
     apart = min(max(TUNING.first_apart, news_take(view)), TUNING.first_time / (len(silent) + 1))
     before = sum(robot < stream.robot for robot in silent) if stream.sent is None else len(silent) + 1
     return stream.began + before * apart
-
-
-def _is_large(stream: Stream, view: SharedView, limits: tuple[Limit, ...]) -> bool:
-    """Whether the samples of another robot's stream change what others plan."""
-    return changes_plans(use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits, own=False), limits)
