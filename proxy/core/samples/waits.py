@@ -4,6 +4,7 @@ import math
 
 from proxy.core.coordination.claims import Lead, news_take, opening
 from proxy.core.coordination.first_sends import first_at
+from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.market.pace import carried, pace_part
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans, longest_window
@@ -91,9 +92,13 @@ class Waits:
         Without that a robot that joined sent its first frame beside two of theirs, and the window held 1.4 limits.
         """
         until, limits = self._view.newcomers.greeted_by(now), self._budget.limits
+        if now >= max(until, stream.began + COORDINATION.first_time):
+            return False
+        if not changes_plans(self._appraisal.use(stream, sample), limits):
+            return False  # of thousands of new keys that are small nobody looks through all streams
         if not self._budget.alone:
             until = max(until, first_at(now, self._view, stream, limits))
-        if now >= until or not changes_plans(self._appraisal.use(stream, sample), limits):
+        if now >= until:
             return False
         self.wakes_at = min(self.wakes_at, until)
         return True
