@@ -4,7 +4,6 @@ Data has these in that order, each behind a zero byte; of variables and flags ea
 """
 
 import json
-import tempfile
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -16,6 +15,7 @@ from proxy.config_secrets import HIDDEN
 from proxy.config_text import data as as_data
 from proxy.config_text import toml
 from proxy.errors import ConfigError
+from tests.fuzz.scratch import scratch
 
 MANUAL = Path(__file__).parents[2] / "deploy" / "sendworthy.toml"
 
@@ -71,7 +71,7 @@ def _plain(config: object) -> dict[str, object]:
 
 @cache
 def _folder() -> Path:
-    folder = Path(tempfile.mkdtemp(prefix="sendworthy-fuzz-"))
+    folder = scratch() / "configurations"
     for name in ("conf.d", "alone"):
-        (folder / name).mkdir()
+        (folder / name).mkdir(parents=True)
     return folder

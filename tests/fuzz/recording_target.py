@@ -7,7 +7,6 @@ import io
 import struct
 import tempfile
 from contextlib import suppress
-from functools import cache
 from itertools import islice
 from pathlib import Path
 
@@ -31,6 +30,7 @@ from studies.foreign.errors import ImportFailedError
 from studies.replay.errors import ReplayError
 from studies.replay.recordings import Recordings
 from studies.replay.same import SameReplay
+from tests.fuzz.scratch import scratch
 from tests.fuzz.target import messages, specs
 
 KINDS = ("file", "messages", "snapshot", "bag.mcap", "bag.db3", "csv")
@@ -146,11 +146,6 @@ def seeds():
 
 
 def _written(name: str, data: bytes) -> Path:
-    path = _folder() / name
+    path = scratch() / name
     path.write_bytes(data)
     return path
-
-
-@cache
-def _folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="sendworthy-fuzz-"))

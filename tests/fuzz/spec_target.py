@@ -1,11 +1,9 @@
 """What operators write, fuzzed byte by byte: spec files, and expressions with the features that they are given."""
 
 import math
-import tempfile
 from contextlib import suppress
-from functools import cache
-from pathlib import Path
 
+from tests.fuzz.scratch import scratch
 from tests.utility_specs.bad_specs import GOOD
 from utility_specs import SpecsError
 from utility_specs.check import Report
@@ -64,7 +62,7 @@ WAYS_OUT = (
 
 def one_file(data: bytes) -> None:
     """Load and check a file; raises only what is a fault."""
-    path = _folder() / "spec.toml"
+    path = scratch() / "spec.toml"
     path.write_bytes(data)
     with suppress(SpecsError):
         loaded = load_set([path])
@@ -95,8 +93,3 @@ def expression_seeds() -> list[bytes]:
     """Expressions to start from, and known ways out."""
     good = ("1 + 10 * red", "2 if robot == 'r1' and n > 1 else clamp(size / bonus, 0, 1) ** 2")
     return [text.encode() for text in (*good, *WAYS_OUT)]
-
-
-@cache
-def _folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="sendworthy-fuzz-"))
