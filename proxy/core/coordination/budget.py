@@ -167,14 +167,14 @@ class Budget:
         part = self._coordination.meanwhile.confined
         if part < 1.0 and amount > _confined(self, now, k, part):
             return False
-        if amount <= whole:
+        turns = amount > whole or self._coordination.by_clock
+        began = self._coordination.turn_began(now, k, limit, amount) if turns else -math.inf
+        if amount <= whole and began == -math.inf:
             return self._counted(now, k, limit.window, amount) + amount <= whole
-        if limit.shared and not self._coordination.whole_turn(now, k):
-            return False
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
-        since = now - stretched
+        since = max(now - stretched, began)
         others = self._sent_by_others(now, since)
-        return self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
+        return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
     def _counted(self, now: float, k: int, window: float, amount: float) -> float:
         """Return what counts for a message of this amount of the window that ends now.

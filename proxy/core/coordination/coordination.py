@@ -13,15 +13,17 @@ their parts. Where no agreement comes about, for one robot hears nothing of anot
 plan for all and try again later (`patience.py`); but in a team whose operator asked for `split`.
 
 A large team would take a minute to agree on parts. There each robot has an equal one, which nobody has to announce, and
-may use more of it than it is (`overbooking.py`). So it is in a smaller team where announcements cost too much and no
-message is much larger than such a part. Where an operator asked for `split` it is an equal part and no more. Fifty
-robots with streams of 0.1 to 4 kB reached 94 % of a central decider so, in unicast as in broadcast, with no window over
-the limit; agreeing on parts they reached 41, and where all overheard all 94 with 60 % of the windows over.
+may use more of it than it is (`overbooking.py`); larger messages go by turns of the clock (`clock_turns.py`). So it is
+in a smaller team where announcements cost too much and no message is much larger than such a part, but for the turns.
+Where an operator asked for `split` it is an equal part and no more. Fifty robots with streams of 0.1 to 4 kB reached
+94 % of a central decider so, in unicast as in broadcast, with no window over the limit; agreeing on parts they reached
+41, and where all overheard all 94 with 60 % of the windows over.
 """
 
 import math
 from collections.abc import Callable, Collection, Sequence
 
+from proxy.core.coordination.clock_turns import ClockTurns
 from proxy.core.coordination.demands import bid
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.meanwhile import Meanwhile
@@ -51,6 +53,10 @@ class Coordination:
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
         self._overbooking = Overbooking()
+        self.by_clock = False
+        """Whether messages that are larger than an equal part go by turns that nobody agrees on."""
+        self._clock_turns: dict[int, ClockTurns] = {}
+        """By shared limit."""
         self.hollow = Hollow()
         """What others claim and nobody confirms."""
         self.keeps = 0.0
@@ -106,12 +112,23 @@ class Coordination:
         """When our part grows if nothing is heard, as what others sent in a slot of ours has left it [s]; else ∞."""
         return math.inf if self.split_in_force is None else self.split_in_force.own_part.grows_at(now)
 
-    def whole_turn(self, now: float, k: int) -> bool:
-        """Whether a message may go now that is larger than all we may use.
+    def turn_began(self, now: float, k: int, limit: Limit, amount: float) -> float:
+        """Return when our turn with a message began that is too large for our part [s]; ∞: it is not our turn.
 
-        Nobody else may send then; or, in a large team, we have not sent for as many windows as it has parts.
+        −∞ where it needs none, as nobody else may send now, or as it is not so large in a team with turns by the clock.
         """
-        return self.split_in_force is None or self.part(now, k) >= TUNING.whole_part
+        if not limit.shared:
+            return -math.inf
+        if not self.by_clock:
+            return -math.inf if self.split_in_force is None or self.part(now, k) >= TUNING.whole_part else math.inf
+        part, robots = amount / limit.limit, self.team.robots
+        if part * robots <= TUNING.turn_parts:
+            return -math.inf
+        own = tag(self._settings.zid)
+        place = sum(name < own for name in self.team.members) / robots
+        turns = self._clock_turns.setdefault(k, ClockTurns(limit.window))
+        wall = self._view.clocks.offset
+        return turns.began(now + wall, place, robots, part) - wall
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """A message was sent that uses such parts of the shared limits."""
@@ -145,7 +162,7 @@ class Coordination:
         if kind == self._kind:
             return
         version = 0 if self._split is None else self._split.agreement.bid[0] + 1
-        self._kind, self._split = kind, None
+        self._kind, self._split, self._clock_turns = kind, None, {}
         if windows:
             self._split = Split(
                 tag(self._settings.zid),
@@ -188,6 +205,7 @@ class Coordination:
             self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
             if self._split is not None:
                 self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
+            self.by_clock = self._overbooks and self.team.large
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.sharing)
         if self.established or self._split is None:

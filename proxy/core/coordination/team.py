@@ -150,8 +150,10 @@ class Team:
         if not self.rivals or math.isinf(window):
             self.votes_to_split = self.strict
             return
-        # Of very many that send at once each hears too late of the others.
-        many = len(sending) >= still * TUNING.large_team
+        # Of very many that send at once each hears too late of the others, and it takes long until it knows all.
+        overheard = {peer.robot for peer in self._others() if peer.overheard} if self.large else set()
+        enough = min(TUNING.large_team, TUNING.most * self.robots)
+        many = self.large and len(sending | overheard) >= still * enough
         # Late news harm nobody who has nothing to decide: an operator hears digests behind the frames it gets.
         # Where limits follow the channel it is a queue that makes news late, and these dissolve it.
         decides = view.settings.robot in sending and all(limit.least >= 1.0 for limit in limits)

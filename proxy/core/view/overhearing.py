@@ -78,6 +78,7 @@ class Overhearing:
             t_gen = peer.inbound.heard_sample(now, event.key, event.size, event.stamp)
             self._take_from(now, t_gen, event, peer)
         elif peer is not None:
+            peer.hear_sample()
             self._traffic.note_unknown(now, event.size)
         elif robot.startswith(PLAIN) and (stream := self._streams.touch(now, robot, event.key)) is not None:
             features = event.features or {}

@@ -100,6 +100,8 @@ class Peer:
     """The digest since the last echo that was on its way for the shortest time: its echo tells most of clocks."""
     echoed: bool = False
     """Whether anybody has echoed a digest of it, so that it knows of one way how long it is."""
+    overheard: bool = False
+    """Whether a sample of it came before any digest."""
     counted: tuple[float, int, int] | None = None
     """When it last told how many messages and bytes it had sent [s], and these; announcements do not."""
     pending: PendingNews = field(default_factory=PendingNews)
@@ -138,6 +140,10 @@ class Peer:
     def digest_received(self) -> float:
         """When its last digest came [s]; 0.0 when none did."""
         return 0.0 if self.last_heard is None else self.last_heard.received
+
+    def hear_sample(self) -> None:
+        """A sample of it came before any digest."""
+        self.overheard = True
 
     @property
     def counted_samples(self) -> tuple[int, int]:

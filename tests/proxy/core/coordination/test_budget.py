@@ -1,5 +1,6 @@
 """What may still be sent."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from proxy.core.coordination.budget import grew
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
+from proxy.core.view.stream import Generated
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, ENERGY, heard
 
 
@@ -114,6 +116,28 @@ def test_a_message_larger_than_the_limit_has_the_window_stretched_for_it(make_bu
     assert budget.lacking(4.5, (1.0,))
     assert budget.lacking(6.0, large)
     assert not budget.lacking(6.2, large)
+
+
+def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_budget):
+    """Whatever it is that was sent meanwhile; another one may go in the next turn."""
+    robots = TUNING.large_team + 1
+    budget, view = make_budget(peers=robots - 1)
+    for number, robot in enumerate(("r1", *view.peers)):
+        stream = view.streams.touch(0.0, robot, f"robot/{robot}/camera")
+        stream.matching = True
+        for count in range(9):
+            stream.note_generated(count + 1, Generated(count - 9.0 + number / robots, 300, 1.0))
+    budget._coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 1.0)
+    large, sent = (3.0 * BYTES.limit / robots,), []
+    for number in range(3000):
+        now = 0.1 + 0.01 * number
+        if not budget.lacking(now, large):
+            budget.use(now, large)
+            sent.append(now)
+    apart = [later - earlier for earlier, later in itertools.pairwise(sent[1:])]
+    assert len(apart) > 3
+    assert min(apart) > 3.0 * BYTES.window
+    assert max(apart) == pytest.approx(min(apart), abs=0.02)
 
 
 def test_windows_are_stretched_no_further_than_sends_are_remembered(make_budget):

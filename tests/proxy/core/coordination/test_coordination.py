@@ -1,5 +1,6 @@
 """Who plans for whom: every robot for all, or each for itself with its part of every limit."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -21,7 +22,7 @@ def test_each_plans_for_all_while_news_are_early_and_announcements_affordable(ma
     assert not team.look(waiting=0.9 * TUNING.late_news * WINDOW, announcing=TUNING.affordable)
     assert not team.coordination.team.splits
     assert team.coordination.part(team.now, 0) == 1.0
-    assert team.coordination.whole_turn(team.now, 0)
+    assert team.coordination.turn_began(team.now, 0, team.limits[0], 9.0 * team.limits[0].limit) == -math.inf
 
 
 def test_it_is_looked_at_now_and_then(make_team):
@@ -112,7 +113,7 @@ def test_a_team_that_splits_from_the_beginning_begins_by_agreeing(make_team):
 
 
 def test_a_large_team_agrees_on_nothing_and_uses_more_than_equal_parts(make_team):
-    """Nobody has to tell of them. A message that is larger goes where nothing went for as many windows."""
+    """Nobody has to tell of them. A message that is larger goes by turns, and alone in one."""
     team = make_team(names(TUNING.large_team), coordination="announce")
     team.look(waiting=99.0, using=0.6)
     assert team.coordination.team.splits
@@ -122,10 +123,17 @@ def test_a_large_team_agrees_on_nothing_and_uses_more_than_equal_parts(make_team
     assert team.coordination.part(team.now, 0) == pytest.approx(TUNING.overbooked / (TUNING.large_team + 1))
     assert team.coordination.announcement(team.now) is None
     assert team.coordination.settled
-    assert team.coordination.whole_turn(team.now, 0)
+    limit = team.limits[0]
+    equal = limit.limit / (TUNING.large_team + 1)
+    assert team.coordination.turn_began(team.now, 0, limit, TUNING.turn_parts * equal) == -math.inf
+    began = {team.coordination.turn_began(team.now + 0.1 * n, 0, limit, 4.0 * equal) for n in range(200)}
+    assert math.inf in began
+    assert 1 < len(began) < 6
+    assert -math.inf not in began
     team.coordination.set_members(team.now, names(TUNING.large_team - 1))
     team.look(waiting=99.0)
     assert team.coordination.announcement(team.now) is not None
+    assert team.coordination.turn_began(team.now, 0, limit, 4.0 * equal) == math.inf, "turns are agreed on"
 
 
 def test_where_a_large_team_splits_strictly_each_has_an_equal_part(make_team):
@@ -135,7 +143,7 @@ def test_where_a_large_team_splits_strictly_each_has_an_equal_part(make_team):
         team.look(using=0.1)
     equal = (1.0 - team.view.settings.floor) / (TUNING.large_team + 1)
     assert team.coordination.part(team.now, 0) == pytest.approx(equal, rel=0.06)
-    assert not team.coordination.whole_turn(team.now, 0)
+    assert team.coordination.turn_began(team.now, 0, team.limits[0], team.limits[0].limit) == math.inf
     assert team.coordination.announcement(team.now) is None
 
 

@@ -3,6 +3,7 @@
 import pytest
 
 from proxy.core.coordination.tuning import TUNING
+from proxy.core.interface import events as ev
 from proxy.core.model.transport import broadcast
 from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamState
@@ -133,14 +134,32 @@ def test_who_asks_for_a_part_is_a_rival_however_seldom_its_streams_are_told_of(m
 
 
 def test_very_many_that_send_at_once_split_though_each_hears_all(make_team):
-    """News come too late where fifty send; until far fewer do."""
-    team = make_team(names(TUNING.large_team), send=TUNING.large_team - 1)
+    """News come too late where fifty send; and before all are known to."""
+    few = round(0.9 * TUNING.most * TUNING.large_team)
+    team = make_team(names(TUNING.large_team), send=few)
     team.look()
     assert not team.coordination.team.splits
+    team = make_team(names(TUNING.large_team - 1), send=TUNING.large_team)
+    team.look()
+    assert not team.coordination.team.splits, "these can agree on parts"
     team = make_team(names(TUNING.large_team), send=TUNING.large_team)
     team.look()
     assert team.coordination.team.splits
     assert team.coordination.team.large
+
+
+def test_robots_of_which_samples_came_before_any_digest_are_among_the_many(make_team):
+    """Of equal parts nobody says anything, so nothing else is known of them."""
+    team = make_team(names(TUNING.large_team), transport=broadcast("224.0.0.226:7449"))
+    rhythms(team)
+    tell(team, team.view.peers, 0)
+    team.now = TUNING.ways_time
+    team.look()
+    assert not team.coordination.team.votes_to_split
+    for name in names(round(TUNING.most * (TUNING.large_team + 1))):
+        team.view.overhearing.take(ev.SampleHeard(team.now, f"robot/{name}/camera", 300, name, None, None))
+    team.look()
+    assert team.coordination.team.votes_to_split
 
 
 def rhythms(team, *, period=1.0, size=300, others=300, theirs=1.0):
@@ -259,8 +278,7 @@ def tell(team, robots, streams, size=0, first=0):
     """The states of these robots have come, who have so many streams each, of such sizes."""
     for name in robots:
         keys = [f"robot/{name}/camera{number}" for number in range(streams)]
-        sizes = [first, *[size] * (streams - 1)]
-        told = zip(keys, sizes, strict=True)
+        told = zip(keys, [first, *[size] * (streams - 1)], strict=False)
         team.view.peers[name].told = {key: StreamState(1, key, "camera", 1.0, size=each) for key, each in told}
 
 
