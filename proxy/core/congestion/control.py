@@ -101,9 +101,9 @@ class CongestionControl:
         self.queue = None
         if not self._evidence.paths:
             return "nobody is there"
+        self.queue = self._standing(now, traffic.receivers, -math.inf, bearable)
         if silence := self._react_to_silence(now, bearable):
             return silence
-        self.queue = self._standing(now, traffic.receivers, -math.inf, bearable)
         if congestion := self._react_to_congestion(now, traffic.receivers, bearable):
             return congestion
         return self._follow(now) if self._reports.follows else self._increase(now, traffic)
@@ -117,8 +117,9 @@ class CongestionControl:
                 for limit in self._limits:
                     limit.aimd.decay()
             return "silence"
-        recently_used = now < self._used_at + TUNING.recently_used
-        if recently_used and liveness.overdue(now, bearable, len(self._evidence.paths)):
+        # Of a queue that is seen, what is overdue tells nothing new.
+        unseen = now < self._used_at + TUNING.recently_used and self.queue_delay <= bearable
+        if unseen and liveness.overdue(now, bearable, len(self._evidence.paths)):
             for limit in self._limits:
                 limit.aimd.hold_back(now)
             return "overdue"

@@ -68,6 +68,17 @@ def test_what_is_overdue_is_waited_for():
     assert channel.run(2.0).factor == 1.0
 
 
+def test_a_queue_that_is_seen_decreases_the_limit_though_all_that_comes_is_old():
+    """What is held back for something overdue may be just what the channel bears: then the queue would stand for ever."""
+    channel = Channel().run(20.0)
+    channel.waits["op"] = None
+    assert channel.run(1.0).why == "overdue"
+    channel.waits["op"] = 1.5
+    channel.run(1.0)
+    assert channel.why in {"delay", "draining", "settling"}
+    assert channel.capacity.report(channel.now) < (0.6,)
+
+
 def test_one_robot_that_is_far_away_decreases_nothing():
     """Neither what we see of it, nor what it tells, nor its leaving."""
     channel = Channel(peers=("a", "b", "far"), receivers=("a", "b", "far")).run(20.0)
