@@ -107,7 +107,8 @@ class Aimd:
         """Send less for as long as the queue needs to drain."""
         self.bounded, self._slow_start = True, False
         self._decreased_at, self._decreased_for = now, delay
-        self._drain_factor = _drain_factor(delay)
+        held_back = self._drain_factor if now < self.drained_at else 1.0
+        self._drain_factor = min(held_back, _drain_factor(delay))
         takes = max(TUNING.drain, delay / (1.0 - TUNING.least_while_draining))
         self.drained_at = now + min(takes, TUNING.longest_drain)
         self._settle(self.drained_at + TUNING.settling)

@@ -62,7 +62,7 @@ class Capacity:
 
     def staleness(self, now: float) -> float:
         """How long news of others wait on their way here [s]."""
-        overdue = self.evidence.liveness.staleness(now) if self._control.reason == "overdue" else 0.0
+        overdue = self.evidence.liveness.staleness(now) if self._control.overdue else 0.0
         return max(overdue, self._control.queue_delay)
 
     def wakes_at(self, now: float) -> float:

@@ -46,6 +46,8 @@ class CongestionControl:
     def __init__(self, now: float, evidence: Evidence, reports: CapacityReports) -> None:
         self.reason = "nobody is there"
         self.queue: StandingQueue | None = None
+        self.overdue = False
+        """Whether a digest should have come by now, and waits somewhere."""
         self.used: tuple[float, ...] = ()
         self._evidence = evidence
         self._reports = reports
@@ -98,7 +100,7 @@ class CongestionControl:
 
     def _react(self, now: float, traffic: Traffic) -> str:
         bearable = TUNING.bearable_delay + TUNING.bearable_samples * min(traffic.longest, TUNING.longest_sample)
-        self.queue = None
+        self.queue, self.overdue = None, False
         if not self._evidence.paths:
             return "nobody is there"
         self.queue = self._standing(now, traffic.receivers, -math.inf, bearable)
@@ -117,13 +119,14 @@ class CongestionControl:
                 for limit in self._limits:
                     limit.aimd.decay()
             return "silence"
-        # Of a queue that is seen, what is overdue tells nothing new.
-        unseen = now < self._used_at + TUNING.recently_used and self.queue_delay <= bearable
-        if unseen and liveness.overdue(now, bearable, len(self._evidence.paths)):
-            for limit in self._limits:
-                limit.aimd.hold_back(now)
-            return "overdue"
-        return ""
+        recently_used = now < self._used_at + TUNING.recently_used
+        self.overdue = recently_used and liveness.overdue(now, bearable, len(self._evidence.paths))
+        if not self.overdue:
+            return ""
+        for limit in self._limits:
+            limit.aimd.hold_back(now)
+        # A queue that is seen decreases the limit besides: what is left may be just what the channel bears.
+        return "overdue" if self.queue_delay <= bearable else ""
 
     def _react_to_congestion(self, now: float, receivers: Collection[str], bearable: float) -> str:
         """Decrease for a queue or for loss."""

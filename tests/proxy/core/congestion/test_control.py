@@ -69,7 +69,7 @@ def test_what_is_overdue_is_waited_for():
 
 
 def test_a_queue_that_is_seen_decreases_the_limit_though_all_that_comes_is_old():
-    """What is held back for something overdue may be just what the channel bears: then the queue would stand for ever."""
+    """What is left for something overdue may be just what the channel bears, and the queue would stand for ever."""
     channel = Channel().run(20.0)
     channel.waits["op"] = None
     assert channel.run(1.0).why == "overdue"
