@@ -130,10 +130,12 @@ def assert_alike(problem, *, beyond):
     largest = np.abs(np.concatenate((numpy.gains.gain, numpy.gains.aim, [numpy.gains.everything]))).max()
     for name in ("gain", "aim", "facts", "aim_facts", "everything"):
         assert_close(getattr(native.gains, name), getattr(numpy.gains, name), name, largest)
-    assert_close(native.scale, numpy.scale, "scale", largest)
+    if abs(numpy.gains.everything) > CLOSE * largest:  # else it is what rounding leaves
+        assert_close(native.scale, numpy.scale, "scale", largest)
     assert (native.beyond is None) == (numpy.beyond is None)
     if numpy.beyond is not None:
-        for name in ("worth", "charges", "price", "until"):
+        assert_close(native.beyond.worth, numpy.beyond.worth, "worth", largest)
+        for name in ("charges", "price", "until"):
             assert_close(getattr(native.beyond, name), getattr(numpy.beyond, name), name)
         assert_close(native.beyond.rent, numpy.beyond.rent, "rent", most_charged(problem, numpy.beyond.price))
     every = range(native.levels)
@@ -166,18 +168,19 @@ def assert_close(one, other, name, largest=0.0):
     assert (apart <= CLOSE * largest).all(), (name, apart.max(), largest)
 
 
-def gains_that_cancel():
-    """One message ends for 1 ns what another is worth: a part of 1e-16 is left of what both gain."""
-    fading, ending = Exponential(1.0, 0.03125), Linear(0.0, 1.0)
+def gains_that_cancel(tau, late, delay):
+    """One message ends for 1 ns what another is worth: hardly anything is left of what both gain."""
+    fading, ending = Exponential(1.0, tau), Linear(0.0, 1.0)
     messages = (
-        Message(0, 0.0, 0.0, 0.0, fading, 0.5, (), sent=False),
-        Message(0, 1e-9, 1e-9, 1e-9, ending, 0.0, (), sent=False),
+        Message(0, 0.0, 0.0, late, fading, 0.5, (), sent=False),
+        Message(0, 1e-9, 1e-9, late + 1e-9, ending, 0.0, (), sent=False),
     )
-    return Problem((Stream(0, Aggregation.CURRENT, (Receiver(0.5, 0.5),)),), messages, 0, (), (), -1.0, 1.000000001)
+    return Problem((Stream(0, Aggregation.CURRENT, (Receiver(delay, 0.5),)),), messages, 0, (), (), -1.0, 1.000000001)
 
 
 @given(problems(), st.booleans())
-@example(gains_that_cancel(), False)
+@example(gains_that_cancel(0.03125, 0.0, 0.5), False)
+@example(gains_that_cancel(0.015625, 1.0, 0.0), False)
 def test_any_window_has_the_same_tables(problem, beyond):
     """Whatever the kinds, the times, the receivers and the limits."""
     assert_alike(problem, beyond=beyond)
