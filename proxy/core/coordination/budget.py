@@ -162,7 +162,10 @@ class Budget:
         return Limits(self.usable(now), ours, theirs, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
-        """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that."""
+        """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that.
+
+        Where there are turns by the clock it has ours instead: what was sent before does not count then.
+        """
         limit, whole = self.limits[k], self.whole(now, k)
         part = self._coordination.meanwhile.confined
         if part < 1.0 and amount > _confined(self, now, k, part):
@@ -172,7 +175,7 @@ class Budget:
         if amount <= whole and began == -math.inf:
             return self._counted(now, k, limit.window, amount) + amount <= whole
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
-        since = max(now - stretched, began)
+        since = now - stretched if began == -math.inf else began
         others = self._sent_by_others(now, since)
         return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
