@@ -278,7 +278,8 @@ def tell(team, robots, streams, size=0, first=0):
     """The states of these robots have come, who have so many streams each, of such sizes."""
     for name in robots:
         keys = [f"robot/{name}/camera{number}" for number in range(streams)]
-        told = zip(keys, [first, *[size] * (streams - 1)], strict=False)
+        sizes = [first, *[size] * (streams - 1)][:streams]
+        told = zip(keys, sizes, strict=True)
         team.view.peers[name].told = {key: StreamState(1, key, "camera", 1.0, size=each) for key, each in told}
 
 
