@@ -180,7 +180,7 @@ class Core:
         """See whether the next samples can be sent as they come."""
         if type(event) not in STEADY:
             self._fast.close()
-        self._fast.open(event.now, min(self._wakes_at, self._parts.channel.due_at, self._tidied_at + TIDIED_EVERY))
+        self._fast.open(event.now, min(self._wakes_at, self._parts.channel.due_at))
         if isinstance(event, ev.SamplePublished):
             self._fast.admit(event)
 

@@ -85,13 +85,20 @@ class Tracker:
     def _fit(self) -> None:
         self._since = 0
         del self._line[: -TUNING.memory]
-        self.rhythm = fit(
-            self._line[-TUNING.short_memory :], self._reported if len(self._line) < TUNING.run + 1 else 0.0
-        )
-        if len(self._line) > TUNING.short_memory and self.rhythm is not None and self.rhythm.looseness < TUNING.tight:
-            whole = fit(self._line)
-            if whole is not None and not whole.wanders and _holds(whole, self._line[-TUNING.short_memory :]):
-                self.rhythm = whole
+        line, newest = self._line, self._line[-TUNING.short_memory :]
+        if self.rhythm is not None and self.rhythm.known > TUNING.short_memory and self._fit_whole(newest):
+            return
+        self.rhythm = fit(newest, self._reported if len(line) < TUNING.run + 1 else 0.0)
+        if len(line) > TUNING.short_memory and self.rhythm is not None and self.rhythm.looseness < TUNING.tight:
+            self._fit_whole(newest)
+
+    def _fit_whole(self, newest: Sequence[Numbered]) -> bool:
+        """Let all that is remembered tell the rhythm, if that is a tight one that holds for the `newest`; whether it is."""
+        whole = fit(self._line)
+        if whole is None or whole.wanders or whole.looseness >= TUNING.tight or not _holds(whole, newest):
+            return False
+        self.rhythm = whole
+        return True
 
     def _doubt(self, rhythm: Rhythm, number: int, t: float) -> None:
         self._suspects.append((number, t))

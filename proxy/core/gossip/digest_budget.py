@@ -199,27 +199,27 @@ class DigestBudget:
         self._own -= cost
         self._turn = (self._turn + GOLDEN) % 1.0
 
-    def due(self, now: float, *, news: bool, copies: int, apart_at_least: float = 0.0) -> float:
+    def due(self, now: float, *, apart: float, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
-        The digest is taken to be as large as the last one, and we tell no more than an equal part. We wait for room
-        beside what others tell for a second or two at most, and for one window at least where windows are shorter: each
-        of eight robots with cameras tells something every ten seconds, and where two did so at one moment 1.1 % of the
-        windows were over the limit.
+        Digests are so far `apart` at least [s]. This one is taken to be as large as the last one, and we tell no more
+        than an equal part. We wait for room beside what others tell for a second or two at most, and for one window
+        at least where windows are shorter: each of eight robots with cameras tells something every ten seconds, and
+        where two did so at one moment 1.1 % of the windows were over the limit.
         """
         cost, slowest = self._size * copies, TUNING.slowest_digest
         common, own = self._levels(now)
         # Where all have waited for the allowance, they do not go on at the same moment.
-        apart = 1.0 + self._turn
+        turn = 1.0 + self._turn
         affordable = now + (cost - own) / self._own_rate(common)
-        room = now + max(0.0, cost * apart - common) / self.rate
+        room = now + max(0.0, cost * turn - common) / self.rate
         fits, patience = self._fits_at(now, cost), TUNING.unhurried if self._splits and not self._follows else slowest
         window = self._window if self._window < slowest else 0.0
-        until = max(affordable + window * apart, self.last_ordinary + patience * apart)
+        until = max(affordable + window * turn, self.last_ordinary + patience * turn)
         due = max(now, affordable, min(max(room, fits), until))
         if self._splits:
             due = max(due, fits)
-        return max(due, self.last_ordinary + (apart_at_least if news else slowest))
+        return max(due, self.last_ordinary + apart)
 
     def due_ahead(self, now: float, seconds: float) -> float:
         """When a digest may go out that spends the allowance of so many seconds ahead of time, in our clock [s]."""

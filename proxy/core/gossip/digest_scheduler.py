@@ -159,7 +159,8 @@ class DigestScheduler:
         coordination = self._coordination
         self._news.look(self._view.streams.revision, self._view.streams.own())
         news = self._news.waiting or not coordination.settled or self._sent_something or self._capacity.probe_due(now)
-        due = self._budget.due(now, news=news, copies=self._account.digest_copies, apart_at_least=self._apart)
+        apart = self._apart if news else _slowest(self._view, now)
+        due = self._budget.due(now, apart=apart, copies=self._account.digest_copies)
         undecided = coordination.team.undecided and self._view.settings.digests_on_air and not self._parts_changed
         if undecided and self._view.echoes.are_awaited(now):  # until these come nobody knows how long news take
             since = self._sent_at + TUNING.slowest_digest
@@ -255,7 +256,8 @@ class DigestScheduler:
 
     def _all_is_due(self, now: float, copies: int) -> bool:
         """Whether it is time to tell all that is new, which announcements never replace."""
-        return self._budget.due(now, news=self._capacity.probe_due(now), copies=copies) <= now
+        apart = 0.0 if self._capacity.probe_due(now) else _slowest(self._view, now)
+        return self._budget.due(now, apart=apart, copies=copies) <= now
 
     def _more_is_due(self, now: float, copies: int) -> bool:
         """Whether a whole digest has to go although an announcement would do for what was sent."""
@@ -283,3 +285,10 @@ class DigestScheduler:
         self._view.sent_digest(now)
         self._account.sent_digest(now, digest, announces=announces)
         return SendDigest(digest)
+
+
+def _slowest(view: SharedView, now: float) -> float:
+    """How far digests are apart that tell no news [s]; on the air some are lost."""
+    if len(view.streams) or view.settings.digests_on_air or view.echoes.are_awaited(now):
+        return TUNING.slowest_digest
+    return TUNING.nothing_sent

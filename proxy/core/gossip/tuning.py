@@ -71,10 +71,13 @@ class GossipTuning:
     # When digests go, and what is in them.
     slowest_digest: float = 1.0
     """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
-    relaxed: float = 0.1
+    nothing_sent: float = 3.0
+    """The same in unicast where nobody sends anything, and the ways are known [s]: digests were half of what an idle
+    robot of eleven did."""
+    relaxed: float = 0.25
     """Where there is room for all, or nobody else sends, ordinary news are so far apart at least [s]: a digest for each
-    of 200 small samples per second took half of the sender's time, and more than half of the receiver's. Where limits
-    follow the channel digests tell of it, and go on."""
+    of 200 small samples per second took half of the sender's time, and more than half of the receiver's, and with 0.1
+    each sample took 15 % longer than with this. Where limits follow the channel digests tell of it, and go on."""
     digests_apart: float = 1e-3
     """Two digests are so far apart at least [s]: each is told from the others by its time."""
     parts_apart: float = 0.05

@@ -117,7 +117,7 @@ class FastPath:
         self._until = -math.inf
         parts, view, appraisal = self._parts, self._parts.view, self._parts.gate.appraisal
         coordination, digests = parts.coordination, parts.gossip.digests
-        if not appraisal.ample or now >= (until := min(until, appraisal.looks_at, coordination.looks_at)):
+        if now >= until or not (appraisal.ample and appraisal.look_for_room(now) and appraisal.ample):
             return
         if coordination.told is not None or parts.budget.alone or coordination.team.undecided:
             return

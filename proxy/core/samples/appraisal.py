@@ -67,12 +67,16 @@ class Appraisal:
         """The stream has generated a sample while another one is decided."""
         self._undersubscribed.note(now, stream)
 
-    def look_for_room(self, now: float, stream: Stream, waiting: int) -> bool:
-        """Return whether the limits have room for all that may be sent: then nothing is gained by dropping a sample."""
+    def look_for_room(self, now: float, stream: Stream | None = None, waiting: int = 0) -> bool:
+        """Return whether the limits have room for all that may be sent: then nothing is gained by dropping a sample.
+
+        The `stream` has generated one, and so many others are waiting.
+        """
         limits, self._looked_at = self.budget.limits, now
         if limits:
             self._undersubscribed.advance(now, limits, alone=self.budget.alone)
-            self._undersubscribed.note(now, stream)
+            if stream is not None:
+                self._undersubscribed.note(now, stream)
             usable = [limit.limit for limit in self.budget.usable(now)]
             self.all_fits = self._undersubscribed.fits(usable, waiting)
             self.ample = self.all_fits and self._undersubscribed.fits(usable, waiting, TUNING.ample)
@@ -87,14 +91,6 @@ class Appraisal:
         """
         stream = self.view.streams.known(self.view.settings.robot, key)
         return stream is not None and (self.all_fits or self.disputes.weighed(stream).standing is Standing.UNDISPUTED)
-
-    @property
-    def looks_at(self) -> float:
-        """When it is looked again whether there is room [s]; −∞ where other limits are in force by now."""
-        if not self.budget.limits:
-            return math.inf
-        known = self._undersubscribed.concerns(self.budget.limits, alone=False)
-        return self._undersubscribed.looks_at if known else -math.inf
 
     def is_plain(self, now: float, stream: Stream) -> bool:
         """Whether a stream is like most: it is known how often it generates, and nothing is said of single samples."""

@@ -38,7 +38,7 @@ def test_ordinary_news_of_a_robot_stay_within_its_part(announcing, part):
         now += 0.05
         if announcing:
             budget.heard(now, 75, copies)
-        if budget.due(now, news=True, copies=copies) <= now:
+        if budget.due(now, apart=0.0, copies=copies) <= now:
             budget.sent(now, SIZE, copies)
             spent += (SIZE + OVERHEAD) * copies
     assert 0.8 * part * 10_000 <= spent <= part * 10_000 + 2000
@@ -55,7 +55,7 @@ def test_in_the_long_run_all_robots_together_are_within_the_rate(robots, wanted)
     for who, announces, pause, size in wanted:
         now += pause
         budget = team[who % robots]
-        due = budget.due_ahead(now, AHEAD) if announces else budget.due(now, news=True, copies=1)
+        due = budget.due_ahead(now, AHEAD) if announces else budget.due(now, apart=0.0, copies=1)
         if due > now:
             continue
         budget.sent(now, size, 1, announces=announces)
@@ -74,7 +74,7 @@ def test_what_is_paid_for_later_is_within_our_part(sent):
     budget, now, spent, largest = budget_of(500.0), 0.0, 0, 0
     for kind, size in sent:
         if kind == "digest":
-            now = max(now, budget.due(now, news=True, copies=2))
+            now = max(now, budget.due(now, apart=0.0, copies=2))
             budget.sent(now, size, 2)
         elif kind == "state":
             now = paid_at(budget, now)
@@ -94,7 +94,7 @@ def test_digests_go_on_while_a_state_is_paid_for():
     before = paid_at(budget, 0.0)
     assert before > 20.0
     for number in range(1, 11):
-        now = budget.due(float(2 * number), news=True, copies=4)
+        now = budget.due(float(2 * number), apart=0.0, copies=4)
         assert now <= 2 * number + 1.0
         budget.sent(now, SIZE, 4)
     assert paid_at(budget, 21.0) <= before
@@ -108,7 +108,7 @@ def test_ordinary_news_pay_for_states():
         budget.states.owe(owed, 4)
         for number in range(400):
             now = 0.05 * number
-            if budget.due(now, news=True, copies=4) <= now:
+            if budget.due(now, apart=0.0, copies=4) <= now:
                 budget.sent(now, SIZE, 4)
                 told[owed] += 1
     assert 0 < told[9000] < 0.8 * told[0]
@@ -140,7 +140,7 @@ def test_nobody_is_silenced_by_what_others_tell():
     for step in range(1000):
         now = 0.02 * step
         budget.heard(now, 8000, 2)
-        if budget.due(now, news=True, copies=2) <= now:
+        if budget.due(now, apart=0.0, copies=2) <= now:
             budget.sent(now, SIZE, 2)
             told.append(now)
     assert len(told) >= 12
@@ -155,7 +155,7 @@ def test_two_robots_that_waited_for_the_allowance_do_not_tell_at_the_same_moment
         for budget in (one, other):
             budget.heard(0.0, 300, 1)
             budget.sent(0.0, SIZE, 1)
-        due = [budget.due(0.05, news=True, copies=1) for budget in (one, other)]
+        due = [budget.due(0.05, apart=0.0, copies=1) for budget in (one, other)]
         assert abs(due[0] - due[1]) > 0.01
 
 
@@ -163,7 +163,7 @@ def test_without_news_a_digest_goes_out_slowly():
     """Once a second, so that clocks and counts stay known."""
     budget = budget_of(1e6)
     budget.sent(5.0, SIZE, 1)
-    assert budget.due(5.1, news=False, copies=1) == pytest.approx(5.0 + TUNING.slowest_digest)
+    assert budget.due(5.1, apart=TUNING.slowest_digest, copies=1) == pytest.approx(5.0 + TUNING.slowest_digest)
 
 
 @pytest.mark.parametrize("follows", [True, False])
@@ -173,7 +173,7 @@ def test_where_limits_follow_the_channel_digests_go_on_though_all_owe_for_what_w
     budget.set_rate(1_000.0, 4, 4, follows=follows)
     budget.follow(1.0, splits=True, quiet=False, begins=False, window=0.5)
     budget.heard(1.0, 1_500, 4)
-    assert (budget.due(4.0, news=True, copies=4) <= 6.0) is follows
+    assert (budget.due(4.0, apart=0.0, copies=4) <= 6.0) is follows
 
 
 def test_the_first_agreement_may_take_what_was_saved():
@@ -211,7 +211,7 @@ def test_where_each_has_its_part_no_window_holds_more_than_its_allowance(pauses,
     for place, pause in enumerate(pauses):
         now += pause
         aside = place % 2 == 0
-        due = budget.due_in_turn(now, -math.inf, 5.0, 3) if aside else budget.due(now, news=True, copies=3)
+        due = budget.due_in_turn(now, -math.inf, 5.0, 3) if aside else budget.due(now, apart=0.0, copies=3)
         if due <= now:
             budget.sent(now, size, 3, announces=aside)
             told.append((now, (size + OVERHEAD) * 3))
@@ -222,26 +222,26 @@ def test_where_robots_announce_ordinary_news_wait_until_the_window_has_room_for_
     """Not for ever: who announces much does not take the place of all other news. Announcements do not wait."""
     budget = budget_of(1000.0, robots=4)
     budget.follow(0.0, splits=False, quiet=False, begins=False, window=0.5)
-    assert budget.due(10.0, news=True, copies=3) == 10.0
+    assert budget.due(10.0, apart=0.0, copies=3) == 10.0
     for k in range(60):
         budget.heard(10.0 + 0.1 * k, 68, 1)
     assert budget.due_ahead(16.0, 5.0) == 16.0
-    assert budget.due(16.0, news=True, copies=3) == 16.0
+    assert budget.due(16.0, apart=0.0, copies=3) == 16.0
     budget.sent(16.0, SIZE, 3)
     budget.heard(16.0, 300, 1)
-    assert 16.0 < budget.due(16.0, news=True, copies=3) <= 16.0 + 2.0 * TUNING.slowest_digest
+    assert 16.0 < budget.due(16.0, apart=0.0, copies=3) <= 16.0 + 2.0 * TUNING.slowest_digest
 
 
 def test_who_could_afford_nothing_for_long_waits_for_room_all_the_same():
     """One short window at most: else all that may tell something do at one moment."""
     budget = budget_of(1000.0, robots=4)
     budget.follow(0.0, splits=False, quiet=False, begins=False, window=0.5)
-    budget.due(10.0, news=True, copies=3)
+    budget.due(10.0, apart=0.0, copies=3)
     budget.sent(10.0, 300, 3)
-    affordable = next(t for t in map(float, np.arange(10.0, 40.0, 0.01)) if budget.due(t, news=True, copies=3) <= t)
+    affordable = next(t for t in map(float, np.arange(10.0, 40.0, 0.01)) if budget.due(t, apart=0.0, copies=3) <= t)
     assert affordable > 10.0 + 2.0 * TUNING.slowest_digest
     budget.heard(affordable, 450, 1)
-    assert affordable < budget.due(affordable, news=True, copies=3) <= affordable + 2.0 * 0.5
+    assert affordable < budget.due(affordable, apart=0.0, copies=3) <= affordable + 2.0 * 0.5
 
 
 def test_robots_with_news_of_parts_do_not_speak_at_one_moment():
@@ -263,7 +263,7 @@ def test_digests_that_go_to_all_at_once_are_paid_for_once():
         budget.set_rate(5_000.0, 51, copies)
         spent[copies] = 0
         while now < 5.0:
-            if budget.due(now, news=True, copies=copies) <= now:
+            if budget.due(now, apart=0.0, copies=copies) <= now:
                 budget.sent(now, 200, copies)
                 spent[copies] += (200 + OVERHEAD) * copies
             now += 0.01
@@ -277,7 +277,7 @@ def test_a_large_team_tells_in_turn():
         budget = DigestBudget(0.0, number / 50)
         budget.set_rate(5_000.0, 50, 49)
         budget.follow(0.0, splits=True, quiet=True, begins=False, window=0.5)
-        due.append(budget.due(0.0, news=True, copies=49))
+        due.append(budget.due(0.0, apart=0.0, copies=49))
     assert min(after - before for before, after in pairwise(sorted(due))) > 0.5
 
 

@@ -1,6 +1,7 @@
 """What a robot tells the others, and when."""
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -448,8 +449,22 @@ def test_where_nobody_else_sends_news_gather(make_talk):
         for decide in only(talk.publish(now + 0.001, size=1000)[1], Decide):
             talk.answer(now + 0.005, decide, send=True)
     assert len(talk.all(Drop)) > 200
-    known = 1.0 + VIEW.newcomer_time
+    known = 1.5 + VIEW.newcomer_time  # and what had waited until then is told
     assert len(digests(talk, known)) <= (now - known) / TUNING.relaxed + 2
+
+
+def test_who_has_nothing_to_tell_is_heard_now_and_then(make_talk):
+    """More seldom in unicast while nobody sends anything; on the air as often as ever."""
+    for on_air, seconds in ((False, TUNING.nothing_sent), (True, TUNING.slowest_digest)):
+        talk = make_talk(allowance=0.5, digests_on_air=on_air)
+        talk.want(0.0)
+        now = 2.0
+        while (now := talk.core.wake_at(now)) < 20.0:
+            talk.tell(ev.TimePassed(now))
+            now += 1e-6
+        told = [digest.sent for digest in digests(talk, 6.0)]
+        assert min(later - sooner for sooner, later in pairwise(told)) >= seconds - 1e-6
+        assert len(told) == pytest.approx(14.0 / seconds, abs=2.0)
 
 
 def test_what_alters_the_plans_of_others_is_told_at_once_all_the_same(roomy):
