@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
-from proxy.core.model.limits import Limit, changes_plans, exceeds, shortest_window, use_of
+from proxy.core.model.limits import Limit, allowance_of, changes_plans, exceeds, shortest_window, use_of
 from proxy.core.model.transport import is_broadcast
 from proxy.core.protocol.messages import Digest
 from proxy.core.view.peer import Peer
@@ -203,8 +203,10 @@ class Team:
         apt, broadcast = all(limit.least >= 1.0 for limit in limits), is_broadcast(self._view.settings.transport)
         heard = self._view.staleness.known or now >= began + TUNING.ways_time
         begins = apt and not (heard if broadcast else self.rhythms_known) and not self._others_plan_for_all()
-        still = TUNING.overheard_news * (TUNING.hysteresis if self._splits_seldom else 1.0)
-        late = not broadcast or self.news_take(waiting) >= still * shortest_window(limits)
+        soon = TUNING.overheard_news if broadcast else TUNING.announced_news
+        still = TUNING.hysteresis if self._splits_seldom else 1.0
+        late = self.news_take(waiting) >= still * soon * shortest_window(limits)
+        late |= not (broadcast or _may_announce(self._view, self.robots, limits))
         self.undecided = begins and not any(exceeds(TUNING.seldom_size, use, limits) for _, use in uses)
         if not (own and known and apt):
             self.seldom = self._splits_seldom = False
@@ -226,6 +228,15 @@ class Team:
         """Whether a robot that knows its rhythms finds no split due: who joins it does as it does."""
         told = ((name, each) for name, peer in self._view.peers.items() for each in peer.told.values())
         return any(each.period > 0.0 and name not in self._votes for name, each in told)
+
+
+def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> bool:
+    """Whether a team of so many robots may announce each of its seldom samples in unicast: what they say is little."""
+    if robots > TUNING.announcing_robots:
+        return False
+    told = allowance_of(view.specs, view.settings.allowance, robots)
+    words = ((use_of(round(told * limit.window), 1, (limit,)), limit) for limit in limits)
+    return not any(exceeds(TUNING.announced_part, use, (limit,)) for use, limit in words)
 
 
 def _unheard(view: SharedView) -> set[str]:

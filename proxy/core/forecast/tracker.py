@@ -93,7 +93,7 @@ class Tracker:
             self._fit_whole(newest)
 
     def _fit_whole(self, newest: Sequence[Numbered]) -> bool:
-        """Let all that is remembered tell the rhythm, if that is a tight one that holds for the `newest`; whether it is."""
+        """Let all that is remembered tell the rhythm, if that is tight and holds for the `newest`; whether it is so."""
         whole = fit(self._line)
         if whole is None or whole.wanders or whole.looseness >= TUNING.tight or not _holds(whole, newest):
             return False

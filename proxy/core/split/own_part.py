@@ -48,15 +48,9 @@ class OwnPart:
         """Whether less than half of a slot of so many units is left of our part of the first limit."""
         return self._ledger.kept(now, 0) > self._steady.least(now) - slot / 2
 
-    def sent(self, now: float, uses: Sequence[float]) -> None:
-        """We sent a message that uses such parts of the shared limits.
-
-        One that is larger than our part has the windows until all of it would have fitted for itself.
-        """
-        times = 1.0
-        if max(uses, default=0.0) > 1 / UNIT:
-            times = max([1.0, *(use / max(self.of(now, limit), 1 / UNIT) for limit, use in enumerate(uses))])
-        self._ledger.sent(now + (times - 1.0) * self.window, [use * UNIT / times for use in uses])
+    def sent(self, now: float, uses: Sequence[float], windows: float = 1.0) -> None:
+        """We sent a message that uses such parts of the shared limits, and has so many windows for itself."""
+        self._ledger.sent(now + (windows - 1.0) * self.window, [use * UNIT / windows for use in uses])
 
     def entitle(self, now: float, entitled: int, unused: float = 0.0) -> None:
         """We are entitled to so many units; what this rises by has been unused for so long [s]."""

@@ -94,9 +94,12 @@ class Split:
         self._settle(now)
         self.exchange.heard(now, announcement, sent, unconfirmed)
 
-    def sent(self, now: float, uses: Sequence[float]) -> bool:
-        """We sent a message that uses such parts of the shared limits; return whether we passed a slot on."""
-        self.own_part.sent(now, uses)
+    def sent(self, now: float, uses: Sequence[float], windows: float = 1.0) -> bool:
+        """We sent a message that uses such parts of the shared limits; return whether we passed a slot on.
+
+        One that is larger than all that we may use has so many windows for itself, until all of it would have fitted.
+        """
+        self.own_part.sent(now, uses, windows)
         return bool(self.agreement.newcomer or self.agreement.turns) and self.advance(now, self.exchange.delay)
 
     def advance(self, now: float, delay: float) -> bool:

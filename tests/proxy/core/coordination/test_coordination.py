@@ -171,3 +171,15 @@ def test_who_is_alone_leaves_no_margin(make_team):
         stream.note_generated(count + 1, Generated(count - 28.5, (400, 3600)[count % 2], 1.0))
     team.look()
     assert team.coordination.part(team.now, 0) == 1.0
+
+
+def test_what_was_sent_before_the_team_split_keeps_no_slot(make_team):
+    """It was not larger than it might be then, so it has one window: its slot is passed on in time."""
+    team = make_team()
+    team.look()
+    assert not team.coordination.binds
+    sent = team.now
+    team.coordination.sent(sent, (0.4,))
+    while not team.coordination.team.splits:
+        team.look(waiting=TUNING.late_news * WINDOW)
+    assert team.coordination.split_in_force.own_part.busy_until == sent

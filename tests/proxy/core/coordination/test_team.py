@@ -9,7 +9,7 @@ from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamState
 from proxy.core.protocol.split_report import SplitReport
 from proxy.core.view.stream import Generated
-from tests.proxy.core.coordination.conftest import WINDOW, names
+from tests.proxy.core.coordination.conftest import WINDOW, Robot, names
 
 
 @pytest.mark.parametrize(
@@ -192,7 +192,30 @@ def test_where_large_samples_come_seldom_a_team_splits(make_team, known, splits)
     rhythms(team, **({"size": fifth, "others": fifth} | known))
     team.look()
     assert team.coordination.team.seldom is splits
-    assert not team.coordination.team.agrees, "nobody overhears anything"
+
+
+@pytest.mark.parametrize(
+    ("robots", "waiting", "limit", "splits"),
+    [
+        (TUNING.announcing_robots, 0.99, "8 Mbit/s", False),
+        (TUNING.announcing_robots, 1.01, "8 Mbit/s", True),
+        (TUNING.announcing_robots + 1, 0.99, "8 Mbit/s", True),
+        (TUNING.announcing_robots, 0.99, "160 kbit/s", True),
+    ],
+    ids=["soon", "late", "many robots", "news take much of the limit"],
+)
+def test_what_comes_seldom_is_announced_in_unicast_where_that_takes_little_and_news_soon_come(
+    make_specs, robots, waiting, limit, splits
+):
+    """Each plans the same for all then, and parts of the limit do not stay unused until a sample comes."""
+    team = Robot(make_specs(limit, window=WINDOW), names(robots - 1), send=0)
+    size = round(0.15 * team.limits[0].limit)
+    rhythms(team, size=size, others=size)
+    for _ in range(9):
+        team.look(waiting=waiting * TUNING.announced_news * WINDOW)
+    assert team.coordination.team.seldom
+    assert team.coordination.team.splits is splits
+    assert team.coordination.team.agrees is (not splits)
 
 
 def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come(make_team):

@@ -2,7 +2,7 @@
 
 import random
 
-from proxy.core.protocol.bid import Segment
+from proxy.core.protocol.bid import UNIT, Segment
 from proxy.core.split.split import Split
 
 WINDOW = 1.0
@@ -117,7 +117,8 @@ class Flight:
         return max((sum(slot.size for slot in slots) // len(self.splits), 0)) if slots else 0
 
     def send(self, name, use):
-        self.splits[name].sent(self.clock(name), (use,))
+        split, now = self.splits[name], self.clock(name)
+        split.sent(now, (use,), max(1.0, use / max(split.own_part.of(now), 1.0 / UNIT)))
         self.sends.append((self.now, use, name, self.groups[name]))
 
     def act(self, name):

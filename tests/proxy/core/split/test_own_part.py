@@ -39,10 +39,10 @@ def test_what_was_sent_in_a_slot_does_not_count_when_it_is_passed_on():
     assert part.changes_at(5.2) == 5.0 + WINDOW
 
 
-def test_a_message_larger_than_the_part_is_busy_until_all_of_it_would_have_fitted():
+def test_a_message_of_several_windows_is_busy_until_all_of_it_would_have_fitted():
     """Nothing else fits before."""
     part = OwnPart(0.0, (WINDOW,), UNIT // 2)
-    part.sent(5.0, (1.5,))
+    part.sent(5.0, (1.5,), 3.0)
     assert part.busy_until == 5.0 + 2.0 * WINDOW
     assert part.free(5.0 + 2.9 * WINDOW) == 0.0
     assert part.free(5.0 + 3.1 * WINDOW) == 0.5
