@@ -213,7 +213,7 @@ class Coordination:
             self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
             if self._split is not None:
                 self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
-            self.by_clock = self._overbooks and self.team.large
+            self.by_clock = self._overbooks and (self.team.large or self.team.gave_up)
             if self._overbooks:
                 self._overbooking.advance(now, using(now), self.team.sharing)
         if self.established or self._split is None:

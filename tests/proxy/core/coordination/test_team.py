@@ -218,6 +218,26 @@ def test_what_comes_seldom_is_announced_in_unicast_where_that_takes_little_and_n
     assert team.coordination.team.agrees is (not splits)
 
 
+@pytest.mark.parametrize(
+    ("size", "announcing", "gives_up"),
+    [(1_000, 1.1, True), (1_000, 0.1, False), (9_000, 1.1, False)],
+    ids=["small enough", "announced", "too large"],
+)
+def test_who_can_neither_agree_nor_announce_keeps_to_an_equal_part(make_team, size, announcing, gives_up):
+    """It waits for the others' bids for a while first; where announcements are affordable it plans for all then."""
+    team = make_team(names(9), send=10)
+    while team.now < 3.0 * TUNING.agreement_time:
+        for stream in team.view.streams:
+            stream.note_generated(stream.generated + 1, Generated(team.now, size, 1.0))
+        team.say("p01", split=SplitReport(1, (Segment(1000, 100, 4),), 7, 0, (), 0.0, 0), splits=True)
+        team.look(announcing=announcing, using=1.0)
+    assert team.coordination.team.gave_up is gives_up
+    assert team.coordination.team.quiet is gives_up
+    if gives_up:
+        assert team.coordination.split_in_force is None, "nothing is agreed on any more"
+        assert team.coordination.part(team.now, 0) == pytest.approx(0.1, rel=0.1)
+
+
 def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come(make_team):
     """For a second or two at most; meanwhile it asks for nothing, and tells nothing of parts."""
     team = make_team(send=0)
