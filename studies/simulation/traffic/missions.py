@@ -13,7 +13,7 @@ from studies.simulation import conditions, missions
 from studies.simulation.missions import OPERATOR, scenario, specs_of
 from studies.simulation.records import Frame
 from studies.simulation.traffic.kinds import Kind
-from studies.simulation.traffic.workloads import WORKLOADS
+from studies.simulation.traffic.workloads import WORKLOADS, Workload
 from utility_specs import Specs
 
 RATE = 1e7
@@ -75,8 +75,12 @@ def draw(name: str, robots: int, seed: int, seconds: float, *, latency: float, e
     """
     if name.startswith(UNIFORM):
         return _uniform(name.removeprefix(UNIFORM), robots, seed, seconds, latency, everybody=everybody)
-    workload = WORKLOADS[name](robots)
-    random = np.random.default_rng(seed)
+    return draw_from(WORKLOADS[name](robots), seed, seconds, latency=latency, everybody=everybody)
+
+
+def draw_from(workload: Workload, seed: int, seconds: float, *, latency: float, everybody: bool = False) -> Mission:
+    """Draw a mission of a workload, as `draw` does."""
+    robots, random = len(workload.robots), np.random.default_rng(seed)
     reds = list(_reds(random, robots, seconds))
     streams = [(robot, kind) for robot, kinds in enumerate(workload.robots) for kind in kinds]
     drawn = [

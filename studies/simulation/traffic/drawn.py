@@ -1,0 +1,184 @@
+"""Workloads that nobody chose: teams, rates, sizes and utilities are drawn, and flown beside one central decider.
+
+`python -m studies.simulation.traffic.drawn` prints one line for each, and writes a page of the worst. Workloads that
+were chosen are those a coordination was tuned on; each of the first drawn ones that reached less than 70 % of central
+showed a fault.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from planner import Exponential, Linear, Step, Video
+from planner.utility import MessageUtility
+from studies.benchmarks.report import Table, write_page
+from studies.simulation.traffic.flights import How, fly, fly_alone
+from studies.simulation.traffic.kinds import Kind
+from studies.simulation.traffic.missions import draw_from
+from studies.simulation.traffic.scores import score
+from studies.simulation.traffic.workloads import MBIT, Workload
+
+ROBOTS = (2, 3, 4, 6, 8, 12)
+WINDOWS = (0.5, 1.0, 2.5)
+"""[s]"""
+RATES = (0.3, 1.0, 3.0)
+"""Limits [Mbit/s]."""
+LATENCIES = (0.002, 0.02)
+"""[s]"""
+UTILITIES: tuple[MessageUtility, ...] = (
+    *(Exponential(1.0, lasting) for lasting in (0.5, 2.0, 5.0, 20.0)),
+    *(Linear(1.0, slope) for slope in (0.2, 0.7, 2.0)),
+    *(Step(1.0, lasting) for lasting in (0.5, 2.0, 10.0)),
+    Video(1 / 30, 10.0),
+)
+SIZES, FREQUENCIES = (0.01, 0.45), (0.4, 15.0)
+"""Typical sizes, as parts of the limit, and rates of a stream [Hz]."""
+LOADS = (1.2, 40.0)
+"""What is offered, in limits: below all fits, far above no robot has anything."""
+SHOWN = 25
+"""The page shows so many, the worst first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A workload, and how it is flown. `load` is what is offered, in limits."""
+
+    seed: int
+    workload: Workload
+    how: How
+    load: float
+
+    @property
+    def label(self) -> str:
+        """Tell what it is like in a line."""
+        window = self.workload.rate * self.workload.window
+        kinds = ", ".join(
+            f"{type(kind.utility).__name__} {kind.rates[1] / SPREAD:.1f} Hz {max(kind.sizes) / window:.2f} limits"
+            f"{' anew' if kind.anew else ''}{' at random' if kind.at_random else ''}"
+            for kind in self.workload.kinds
+        )
+        where = f"{self.how.transport}, {self.how.latency * 1e3:.0f} ms, {self.workload.rate / MBIT:g} Mbit/s"
+        return f"{self.seed}: {len(self.workload.robots)} robots, {where}, {self.workload.window:g} s: {kinds}"
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """What a team reached of a central decider's utility; `over` and `worst` are as in a score, `fills` of both."""
+
+    drawn: Drawn
+    part: float
+    over: float
+    worst: float
+    fills: tuple[float, float]
+
+
+SPREAD = 1.2
+"""Rates of the streams of one kind differ by this factor at most from its own."""
+
+
+def drawn_by(seed: int) -> Drawn:
+    """Draw a workload."""
+    draw = np.random.default_rng(seed)
+    robots, window = int(draw.choice(ROBOTS)), float(draw.choice(WINDOWS))
+    rate = float(draw.choice(RATES)) * MBIT
+    kinds = tuple(_kind(draw, f"kind-{number}", rate * window) for number in range(int(draw.choice((1, 1, 2, 3)))))
+    how = How(transport=str(draw.choice(("unicast", "broadcast"))), latency=float(draw.choice(LATENCIES)), loss=0.0)
+    offered = sum(np.sqrt(np.prod(kind.rates) * np.prod(kind.sizes)) for kind in kinds)
+    return Drawn(seed, Workload(f"drawn-{seed}", (kinds,) * robots, rate, window), how, robots * float(offered) / rate)
+
+
+def _kind(draw: np.random.Generator, name: str, limit: float) -> Kind:
+    part, rate = (float(np.exp(draw.uniform(*np.log(between)))) for between in (SIZES, FREQUENCIES))
+    size, anew = max(60.0, part * limit), bool(draw.random() < 0.3)
+    return Kind(
+        name,
+        UTILITIES[int(draw.integers(len(UTILITIES)))],
+        (rate / SPREAD, rate * SPREAD),
+        ((0.4 if anew else 0.9) * size, 1.1 * size),
+        weight=float(draw.choice((1.0, 1.0, 2.0, 8.0))),
+        anew=anew,
+        at_random=bool(draw.random() < 0.3),
+        spread=0.05,
+        jitter=float(draw.choice((0.001, 0.01))),
+    )
+
+
+def reach(seed: int, seconds: float) -> Reached | None:
+    """Fly what a seed draws, so long with the warm-up [s]; None where all of it fits, or hardly any."""
+    drawn = drawn_by(seed)
+    if not LOADS[0] < drawn.load < LOADS[1]:
+        return None
+    how = drawn.how
+    mission = draw_from(drawn.workload, seed, seconds, latency=how.latency, everybody=how.broadcasts)
+    central = score(*fly_alone(mission, how, seed), how.loss)
+    team = score(mission, fly(mission, how, seed), how.loss)
+    return Reached(drawn, team.utility / central.utility, team.over, team.worst, (team.fill, central.fill))
+
+
+def line(found: Reached) -> str:
+    """Return a result in one line."""
+    return (
+        f"{found.part:.1%} of central, {found.over:.1%} of windows over, worst {found.worst:.2f}; {found.drawn.label}"
+    )
+
+
+def tables(found: Sequence[Reached], seconds: float) -> list[Table]:
+    """Return how much was reached, and the worst."""
+    parts = np.array([each.part for each in found])
+    shares = [f"{np.quantile(parts, quantile):.1%}" for quantile in (0.0, 0.05, 0.1, 0.25, 0.5)]
+    over = np.mean([each.over for each in found])
+    note = f"{len(found)} workloads, flights of {seconds:g} s; without loss."
+    worst = sorted(found, key=lambda each: each.part)[:SHOWN]
+    rows = tuple(
+        (
+            each.drawn.label,
+            f"{each.part:.1%}",
+            f"{each.over:.1%}",
+            f"{each.worst:.2f}",
+            *(f"{f:.0%}" for f in each.fills),
+        )
+        for each in worst
+    )
+    columns = ("workload", "of central", "windows over", "fullest", "fill", "fill of central")
+    return [
+        Table(
+            "Utility, of one central decider's",
+            ("least", "5 %", "10 %", "25 %", "median", "windows over"),
+            ((*shares, f"{over:.1%}"),),
+            note,
+        ),
+        Table("The worst", columns, rows, "Sizes in limits; fill: bytes sent of what limit or offer allow."),
+    ]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Fly what seeds draw; print each, and write the page if a file is named."""
+    parser = argparse.ArgumentParser(prog="python -m studies.simulation.traffic.drawn", description=__doc__)
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--seeds", type=int, default=240)
+    parser.add_argument("--seconds", type=float, default=30.0, help="of a flight, 5 s of warm-up included")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument("--output", type=Path, help="write the tables there, as a Markdown page")
+    options = parser.parse_args(arguments)
+    seeds, found = range(options.first, options.first + options.seeds), list[Reached]()
+    with ProcessPoolExecutor(options.jobs) as pool:
+        for each in pool.map(reach, seeds, [options.seconds] * len(seeds)):
+            if each is not None:
+                found.append(each)
+                print(line(each), flush=True)
+    if options.output and found:
+        command = "python -m studies.simulation.traffic.drawn"
+        title = "Drawn workloads in simulation"
+        write_page(options.output, title, tables(found, options.seconds), datetime.now(UTC), command)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
