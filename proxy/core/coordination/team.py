@@ -41,7 +41,7 @@ class Team:
         self.seldom = False
         """Whether large samples of all come seldom, and there is no room for all of them."""
         self._splits_seldom = False
-        """Whether the team splits as that is so, and samples are not overheard, or late."""
+        """Whether the team splits as that is so, and news of what others send do not soon come."""
         self.rivals = False
         """Whether several robots have something to send."""
         self.must_announce = False
@@ -121,7 +121,7 @@ class Team:
         return max(self._view.staleness.longest_way, min(self._took, default=0.0), waiting)
 
     def wait(self, now: float, waiting: float, *, pending: bool) -> None:
-        """Robots have yet to agree on parts, or not; where that takes too long all plan for all in the meantime."""
+        """Robots have yet to agree on parts, or not; where that takes too long they do without for a while."""
         agreeing = pending and bool(self.members) and not self.large
         self._stuck = self._patience.is_over(now, self.news_take(waiting), pending=agreeing)
         self.gave_up = self._stuck and (self.gave_up or self._dear_since < math.inf) and self._parts_suffice
