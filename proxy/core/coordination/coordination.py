@@ -138,10 +138,12 @@ class Coordination:
         long: of ten robots with equal messages, which are worth less the sooner they follow each other, five sent
         nothing for minutes, and all reached 62 % of a central decider, and 79 to 90 since (unicast, 2 and 20 ms).
         """
-        if self._split is not None:
-            parts = (max(self.part(now, k), 1.0 / UNIT) for k in range(len(uses)))
-            windows = max([1.0, *(use / part for use, part in zip(uses, parts, strict=True))])
-            self._split.sent(now, uses, windows)
+        if self._split is None:
+            return
+        windows, least = 1.0, 1.0 / UNIT
+        if max(uses, default=0.0) > least:  # not for each of hundreds of small samples a second
+            windows = max([1.0, *(use / max(self.part(now, k), least) for k, use in enumerate(uses))])
+        self._split.sent(now, uses, windows)
 
     def heard(self, now: float, message: Digest | State) -> None:
         """A digest of another robot came, newer than all before, or a state, which may be of any time."""

@@ -38,9 +38,10 @@ class CoordinationTuning:
     """... all that robots tell each other is no more than this part of a limit..."""
     announcing_robots: int = 13
     """... and there are no more robots than these. With equal messages of 20 kB, 1 Hz and room for five in 2.5 s twelve
-    robots reached 74 to 77 % of a central decider in parts, and reach 91 now, eight 88 and 95 to 97, three to eight of
-    unequal worth 87 to 96 and 95 to 100, with as many windows over the limit, 0 to 8 % (10 ms, exponential utility of
-    5 s, three seeds). Sixteen would reach 64 to 70 % instead of 96, and at 50 ms ten would exceed more windows."""
+    robots reached 74 to 77 % of a central decider in parts, and reach 97 to 99 now, eight 88 and 98 to 100, three to
+    eight of unequal worth 87 to 96 and 94 to 100, with as many windows over the limit, 0 to 7 % (10 ms, exponential
+    utility of 5 s, three seeds). Sixteen would reach 64 to 70 % instead of 96, and at 50 ms ten would exceed more
+    windows."""
     rhythm_time: float = 1.5
     """Who begins splits until it knows how often its large samples come: so long at most [s]."""
     ways_time: float = 10.0

@@ -4,9 +4,10 @@ What such a sample changes in the view, the budget, the counts of decisions and 
 there before anything else happens and before anybody looks (`settle`): sample by sample, in order, as if each had been
 entered when it came. So an event of a sample touches three files of the core, where it touched 56.
 
-The fast path is open until the first of the times at which a part has to look again: whether there is room, whether
-the team splits, what is to be told (`open`). It is closed where a sample waits, where limits follow the channel or are
-split, and for streams that are new, guaranteed, of `once`, or of samples that are kept for robots that are away.
+The fast path is open until something is due, or to be told (`open`). Whether there is room is looked at when it opens,
+and whether the team splits, and what is too old, with what is told. It is closed where a sample waits, where limits
+follow the channel or are split, and for streams that are new, guaranteed, of `once`, or of samples that are kept for
+robots that are away.
 """
 
 import math

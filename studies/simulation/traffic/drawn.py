@@ -40,6 +40,8 @@ UTILITIES: tuple[MessageUtility, ...] = (
 )
 SIZES, FREQUENCIES = (0.01, 0.45), (0.4, 15.0)
 """Typical sizes, as parts of the limit, and rates of a stream [Hz]."""
+SPREAD = 1.2
+"""Rates of the streams of one kind differ by this factor at most from its own."""
 LOADS = (1.2, 40.0)
 """What is offered, in limits: below all fits, far above no robot has anything."""
 SHOWN = 25
@@ -77,10 +79,6 @@ class Reached:
     over: float
     worst: float
     fills: tuple[float, float]
-
-
-SPREAD = 1.2
-"""Rates of the streams of one kind differ by this factor at most from its own."""
 
 
 def drawn_by(seed: int) -> Drawn:

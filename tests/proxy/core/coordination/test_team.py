@@ -192,6 +192,9 @@ def test_where_large_samples_come_seldom_a_team_splits(make_team, known, splits)
     rhythms(team, **({"size": fifth, "others": fifth} | known))
     team.look()
     assert team.coordination.team.seldom is splits
+    assert not team.coordination.team.agrees, (
+        "nobody overhears anything, and what they say would take much of the limit"
+    )
 
 
 @pytest.mark.parametrize(
