@@ -8,6 +8,7 @@ energy, each has whole.
 import math
 from dataclasses import replace
 
+from proxy.core.coordination.clock_turns import NOT_NEEDED
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
@@ -122,6 +123,8 @@ class Budget:
         Or when our part grows that is too small for it, as a slot was passed on to us: ten robots with equal messages
         reached 82 to 93 % of a central decider in `split` where such a sample was dropped, and reach 83 to 95 now.
         """
+        if self._coordination.by_clock and (turn := _next_turn(self, self._coordination, now, use)) > -math.inf:
+            return turn if self.lacking(now, use) else -math.inf
         if all(
             self._counted(now, k, c.window + MARKET.closed, use[k]) + use[k] <= c.limit
             for k, c in enumerate(self.usable(now))
@@ -170,12 +173,16 @@ class Budget:
         part = self._coordination.meanwhile.confined
         if part < 1.0 and amount > _confined(self, now, k, part):
             return False
-        turns = amount > whole or self._coordination.by_clock
-        began = self._coordination.turn_began(now, k, limit, amount) if turns else -math.inf
-        if amount <= whole and began == -math.inf:
+        turn = NOT_NEEDED
+        if amount > whole or self._coordination.by_clock:
+            turn = self._coordination.turn(now, k, limit, amount)
+        if self._coordination.by_clock and turn.began > -math.inf:
+            used = self.own.used(turn.began, k)
+            return turn.began <= now and (used <= 0.0 or used + amount <= turn.slot * limit.limit)
+        if amount <= whole and turn.began == -math.inf:
             return self._counted(now, k, limit.window, amount) + amount <= whole
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
-        since = now - stretched if began == -math.inf else began
+        since = now - stretched if turn.began == -math.inf else turn.began
         others = self._sent_by_others(now, since)
         return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
@@ -208,6 +215,12 @@ def grew(budget: Budget, now: float) -> float:
         if t + longest <= now:
             last[use] = max(t + longest, last.get(use, -math.inf))
     return max((left for use, left in last.items() if changes_plans(use, budget.limits)), default=-math.inf)
+
+
+def _next_turn(budget: Budget, coordination: Coordination, now: float, use: tuple[float, ...]) -> float:
+    """Return when our next turn by the clock begins with a message [s]; −∞ where it needs none."""
+    turns = [coordination.turn(now, k, limit, use[k]) for k, limit in enumerate(budget.limits)]
+    return max([turn.next + MARKET.closed for turn in turns if turn.began > -math.inf], default=-math.inf)
 
 
 def _confined(budget: Budget, now: float, k: int, part: float) -> float:

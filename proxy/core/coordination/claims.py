@@ -33,6 +33,11 @@ just have sent (`Team.agrees`), and ten robots with equal messages reach 2 to 5 
 with 0 to 1 % of the windows over. Where samples wait for the room that others leave it does not do: of eight robots
 with cameras and small samples half of the windows were over the limit.
 
+A stream whose samples earn far less than their room costs is sent by no plan, or in the room that all others leave. So
+nobody gives way to its claim, which only grows, and it gives way to all that pay. Where it counted the others waited
+for such streams by turns: twelve robots with three streams each, of which one paid for its room, reached 28 to 52 % of
+a central decider, and reach 70 to 91 now, with no window over the limit (15 s).
+
 Of a stream that never sent a receiver has nothing, so its claim is the best. Of two such the name decides: when each
 began is known to others from numbers alone, and where they compared that each of two took the other's claim for the
 better one, and both waited; where they compared what a byte gains several led, as each knew other sizes. Of eight
@@ -110,10 +115,12 @@ def rivals(
     sent last, and to those before it, until it was known what became of them.
     """
     claims = [] if agreed else _claims(now, view, disputes, stream, limits)
+    claims = [(theirs, each) for theirs, each in claims if _pays(each, disputes)]
     taken, until = _taken_by_new(now, view, stream, limits), math.inf
     if not claims:
         return taken, until
-    ours, news, opened = claim(now, stream), news_take(view), grew(now)
+    ours = claim(now, stream) if _pays(stream, disputes) else NOBODY
+    news, opened = news_take(view), grew(now)
     if _is_late(now, view, disputes, stream, grew=opened, leads=all(theirs < ours for theirs, _ in claims)):
         ours = NOBODY
     better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
@@ -183,6 +190,13 @@ def _claims(
         for each in view.contention.all(now)
         if each.robot != stream.robot and disputes.weighed(each).standing in CLAIMING and is_large(each, view, limits)
     ]
+
+
+def _pays(stream: Stream, disputes: Disputes) -> bool:
+    """Whether a sample of a stream may well pay for the room it takes, if not every one."""
+    weighed, sizes = disputes.weighed(stream), stream.sizes
+    least = max(sizes.mean - sizes.deviation, 0.0) / max(sizes.mean, 1.0)
+    return weighed.most >= TUNING.claim_pays * least * weighed.cost
 
 
 def is_large(stream: Stream, view: SharedView, limits: tuple[Limit, ...]) -> bool:

@@ -23,7 +23,7 @@ Where an operator asked for `split` it is an equal part and no more. Fifty robot
 import math
 from collections.abc import Callable, Collection, Sequence
 
-from proxy.core.coordination.clock_turns import ClockTurns
+from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW, ClockTurns, Turn
 from proxy.core.coordination.demands import bid
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.meanwhile import Meanwhile
@@ -55,8 +55,7 @@ class Coordination:
         self._overbooking = Overbooking()
         self.by_clock = False
         """Whether messages that are larger than an equal part go by turns that nobody agrees on."""
-        self._clock_turns: dict[int, ClockTurns] = {}
-        """By shared limit."""
+        self._clock_turns = ClockTurns(now, ())
         self.hollow = Hollow()
         """What others claim and nobody confirms."""
         self.keeps = 0.0
@@ -112,23 +111,17 @@ class Coordination:
         """When our part grows if nothing is heard, as what others sent in a slot of ours has left it [s]; else ∞."""
         return math.inf if self.split_in_force is None else self.split_in_force.own_part.grows_at(now)
 
-    def turn_began(self, now: float, k: int, limit: Limit, amount: float) -> float:
-        """Return when our turn with a message began that is too large for our part [s]; ∞: it is not our turn.
+    def turn(self, now: float, k: int, limit: Limit, amount: float) -> Turn:
+        """Return our turn with a message that is too large for our part.
 
-        −∞ where it needs none, as nobody else may send now, or as it is not so large in a team with turns by the clock.
+        It needs none where nobody else may send now, or where it is not so large in a team with turns by the clock.
         """
         if not limit.shared:
-            return -math.inf
-        if not self.by_clock:
-            return -math.inf if self.split_in_force is None or self.part(now, k) >= TUNING.whole_part else math.inf
-        part, robots = amount / limit.limit, self.team.robots
-        if part * robots <= TUNING.turn_parts:
-            return -math.inf
-        own = tag(self._settings.zid)
-        place = sum(name < own for name in self.team.members) / robots
-        turns = self._clock_turns.setdefault(k, ClockTurns(limit.window))
-        wall = self._view.clocks.offset
-        return turns.began(now + wall, place, robots, part) - wall
+            return NOT_NEEDED
+        if self.by_clock:
+            return self._clock_turns.turn(now, k, amount / limit.limit)
+        alone = self.split_in_force is None or self.part(now, k) >= TUNING.whole_part
+        return NOT_NEEDED if alone else NOT_NOW
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """A message was sent that uses such parts of the shared limits.
@@ -140,6 +133,8 @@ class Coordination:
         """
         if self._split is None:
             return
+        if self.by_clock:
+            self._clock_turns.sent(now, uses)
         windows, least = 1.0, 1.0 / UNIT
         if max(uses, default=0.0) > least:  # not for each of hundreds of small samples a second
             windows = max([1.0, *(use / max(self.part(now, k), least) for k, use in enumerate(uses))])
@@ -172,7 +167,7 @@ class Coordination:
         if kind == self._kind:
             return
         version = 0 if self._split is None else self._split.agreement.bid[0] + 1
-        self._kind, self._split, self._clock_turns = kind, None, {}
+        self._kind, self._split, self._clock_turns = kind, None, ClockTurns(now, windows)
         if windows:
             self._split = Split(
                 tag(self._settings.zid),
@@ -217,6 +212,7 @@ class Coordination:
                 self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
             self.by_clock = self._overbooks and (self.team.large or self.team.gave_up)
             if self._overbooks:
+                self._clock_turns.look(self._view, limits, self.team.sharers)
                 self._overbooking.advance(now, using(now), self.team.sharing)
         if self.established or self._split is None:
             self.meanwhile.over()

@@ -48,14 +48,15 @@ class Team:
         """Whether others have to hear of what we send, as far as we know."""
         self.even = False
         """Whether equal parts do: announcements cost too much, and no message is much larger than such a part."""
-        self._senders = 1
-        """How many robots share equal parts: we, and all but those that are known to have sent nothing."""
+        self.sharers: frozenset[str] = frozenset()
+        """Tags of the others that share equal parts with us: all but those that are known to have sent nothing."""
         self._patience, self._stuck = Patience(), False
-        self.gave_up, self._parts_suffice = False, False
-        """Whether the team could neither agree on parts, nor could it announce what it sends, and equal parts suffice.
+        self.gave_up = False
+        """Whether the team could not agree on parts in time, and words cost too much: equal parts need none.
 
-        These need no words. Each planned for all instead, and could tell hardly anything of it: twelve robots with
-        samples of a tenth of 0.3 Mbit/s used 8 to 23 % of that, for minutes.
+        Each planned for all instead, and could tell hardly anything of it: twelve robots with samples of a tenth of
+        0.3 Mbit/s used 8 to 23 % of that, for minutes; and where one of six did so beside equal parts of the others, a
+        quarter of the windows were over the limit, by up to 1.8.
         """
         self.varied = False
         """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""
@@ -95,7 +96,7 @@ class Team:
     @property
     def sharing(self) -> int:
         """How many robots have equal parts then."""
-        return self.robots if self.large else self._senders
+        return len(self.sharers) + 1
 
     def set_members(self, members: Collection[str]) -> None:
         """These robots take part, and we."""
@@ -124,7 +125,8 @@ class Team:
         """Robots have yet to agree on parts, or not; where that takes too long they do without for a while."""
         agreeing = pending and bool(self.members) and not self.large
         self._stuck = self._patience.is_over(now, self.news_take(waiting), pending=agreeing)
-        self.gave_up = self._stuck and (self.gave_up or self._dear_since < math.inf) and self._parts_suffice
+        dear = self._dear_since < math.inf or _words_take_long(self._view, self.robots)
+        self.gave_up = self._stuck and (self.gave_up or dear)
 
     def judge(
         self,
@@ -144,9 +146,8 @@ class Team:
         competing = view.contention.all(now)
         sending = {stream.robot for stream in competing} | _unheard(view)
         dear = announcing(now) > still * TUNING.affordable
-        self._senders = self._count_senders()
+        self.sharers = self.members if self.large else self._find_senders()
         self.even = self._equal_parts_do(competing, limits) and dear
-        self._parts_suffice = not _exceeded(TUNING.given_up_parts / self._senders, competing, limits)
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
         # nobody says anything: one of four robots heard nothing of the others for 14 s, and took the whole limit.
         silent = self.even or self.gave_up
@@ -173,18 +174,19 @@ class Team:
 
     def _equal_parts_do(self, competing: Collection[Stream], limits: tuple[Limit, ...]) -> bool:
         """Return whether several robots send several streams each, and nothing much larger than an equal part."""
-        if self._senders < TUNING.even_robots or self._streams_each() < TUNING.even_streams:
+        if self.sharing < TUNING.even_robots or self._streams_each() < TUNING.even_streams:
             return False
         most = TUNING.even_parts * (1.0 if self.even else TUNING.hysteresis)
-        return not _exceeded(most / self._senders, competing, limits)
+        return not _exceeded(most / self.sharing, competing, limits)
 
-    def _count_senders(self) -> int:
-        """Return how many robots share what there is: all but those that are known to have sent nothing.
+    def _find_senders(self) -> frozenset[str]:
+        """Return the tags of the others that share what there is: all but those that are known to have sent nothing.
 
         Where only those counted of whom we have heard what they send, six robots took 1.4 times the limit: few news
         come.
         """
-        return 1 + sum(not self._view.newcomers.only_listens(peer) for peer in self._others())
+        listens = self._view.newcomers.only_listens
+        return frozenset(name for name, peer in self._view.peers.items() if name in self.members and not listens(peer))
 
     def _streams_each(self) -> float:
         """Return how many streams a robot has in the mean, as states tell; small ones beside others do not count."""
@@ -251,6 +253,13 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
     told = allowance_of(view.specs, view.settings.allowance, robots)
     words = ((use_of(round(told * limit.window), 1, (limit,)), limit) for limit in limits)
     return not any(exceeds(TUNING.announced_part, use, (limit,)) for use, limit in words)
+
+
+def _words_take_long(view: SharedView, robots: int) -> bool:
+    """Whether it takes long until each of so many robots has said a word to every other, within their allowance."""
+    words = robots if is_broadcast(view.settings.transport) else robots * (robots - 1)
+    told = allowance_of(view.specs, view.settings.allowance, robots)
+    return words * TUNING.word_size > TUNING.slow_words * told
 
 
 def _unheard(view: SharedView) -> set[str]:

@@ -73,10 +73,11 @@ class CoordinationTuning:
     even_size: float = 0.02
     """... where those do not count that are so much smaller than the robot's largest one: sixteen robots, each with a
     camera, a battery and a position, had equal parts, and sent as many frames that show red as others (optimum 2.3)."""
-    given_up_parts: float = 2.0
-    """Who could not agree on parts in time, and cannot afford to announce, keeps to an equal part if no message is
-    larger than so many of them. Of random workloads in which that is so four reached 43 to 64 % of a central decider,
-    and reach 81 to 96; with messages of 2.7 and 3.2 parts a quarter of the windows would be over the limit."""
+    word_size: int = 60
+    """Few digests are smaller [B]..."""
+    slow_words: float = 2.0
+    """... and where one of each robot to every other takes longer than this within the allowance, a team that could not
+    agree on parts keeps to equal ones [s]."""
     varied_margin: float = 0.06
     """Where several robots plan for all, and all large samples vary in size, so much of each limit is left: five robots
     with samples of random sizes had 0.9 % of windows over the limit at 20 ms instead of 2.9, with the same utility, and
@@ -162,6 +163,9 @@ class CoordinationTuning:
     claim_tolerance: float = 0.003
     """Clocks and the wire round: who has the later name counts as silent for so much longer, or two take their own
     claim for the best that are as long silent as each other [s]."""
+    claim_pays: float = 0.6
+    """Nobody gives way to samples that earn less than this part of what their room costs, nor would smaller ones earn
+    it: with 0.4 twelve robots with large samples at random used a third of the limit, and with 0.6 two thirds."""
     due_samples: int = 16
     """Of bursts the newest sample is among so many of a period."""
 
@@ -188,9 +192,13 @@ class CoordinationTuning:
     turn_parts: float = 1.5
     """What is larger than so many equal parts goes by turns in a large team."""
     turn_step: float = 1.15
-    """Robots and parts are rounded up to a power of this for turns..."""
-    turn_cycles: float = 4.0
-    """... and parts to those of the largest message within so many cycles."""
+    """Robots and parts are rounded up to a power of this for turns."""
+    turn_size: float = 1.05
+    """Slots are so much larger than the largest message as a rule."""
+    turn_time: float = 0.1
+    """A turn lasts for this part of a window, as clocks differ: samples wait for it..."""
+    turn_guard: float = 0.05
+    """... and what is sent in it may take so much more of a window until it counts."""
     overbooked: float = 2.0
     """No robot uses more than so many times its part of a window."""
 

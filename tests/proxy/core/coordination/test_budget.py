@@ -119,19 +119,25 @@ def test_a_message_larger_than_the_limit_has_the_window_stretched_for_it(make_bu
 
 
 def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_budget):
-    """Whatever it is that was sent meanwhile; another one may go in the next turn."""
+    """Another one may go in the next turn, and is told when that begins."""
     robots = TUNING.large_team + 1
+    large = (3.0 * BYTES.limit / robots,)
     budget, view = make_budget(peers=robots - 1)
     for number, robot in enumerate(("r1", *view.peers)):
         stream = view.streams.touch(0.0, robot, f"robot/{robot}/camera")
         stream.matching = True
         for count in range(9):
-            stream.note_generated(count + 1, Generated(count - 9.0 + number / robots, 300, 1.0))
+            stream.note_generated(count + 1, Generated(count - 9.0 + number / robots, round(large[0]), 1.0))
     budget._coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 1.0)
-    large, sent = (3.0 * BYTES.limit / robots,), []
+    sent, opens = list[float](), -math.inf
     for number in range(3000):
         now = 0.1 + 0.01 * number
-        if not budget.lacking(now, large):
+        if budget.lacking(now, large):
+            opens = budget.opens(now, large)
+            assert opens > now
+        else:
+            assert now >= opens
+            assert budget.opens(now, large) == -math.inf
             budget.use(now, large)
             sent.append(now)
     apart = [later - earlier for earlier, later in itertools.pairwise(sent[1:])]

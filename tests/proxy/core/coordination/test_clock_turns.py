@@ -1,50 +1,110 @@
-"""Turns by the clock: in a large team each robot has one, and all know their own without a word."""
+"""Turns by the clock: where nobody agrees on turns each robot has one, and all know their own without a word."""
 
 import math
+from itertools import pairwise
 
 import pytest
 
-from proxy.core.coordination.clock_turns import ClockTurns
+from proxy.core.coordination.clock_turns import NOT_NEEDED, ClockTurns
 from proxy.core.coordination.tuning import TUNING
+from proxy.core.model.limits import limits_of
+from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import StreamState
+from proxy.core.view.stream import Generated
+from proxy.core.view.view import SharedView
+from tests.proxy.core.coordination.conftest import WINDOW, names
 
-WINDOW = 2.5
 STEP = 0.01
 """How closely turns are looked at [s]."""
 
 
-def begins(robots, place, part, *, turns=None, since=0.0, seconds=60.0):
-    """When the turns of a robot begin that has messages of this part of the limit all the time."""
-    turns, found = turns or ClockTurns(WINDOW), set()
+@pytest.fixture
+def make_turns(make_specs):
+    """The turns of the robot at a `place` among so many, whose messages take this part of the limit, and a message."""
+
+    def make(robots, place, part, *, told=0.0, ahead=0.0):
+        own = f"p{place - 1:02d}x" if place else "a"
+        specs = make_specs(window=WINDOW)
+        view, limits = SharedView(CoreSettings("r1", own), specs), limits_of(specs, 0.02, robots)
+        size = round(part * limits[0].limit)
+        stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
+        for count in range(9):
+            stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
+        others = names(robots - 1)
+        for name in others:
+            view.add_peer(0.0, name, name)
+        if told:
+            key = f"robot/{others[0]}/camera"
+            view.peers[others[0]].told[key] = StreamState(1, key, "camera", 0.5, size=round(told * limits[0].limit))
+        view.clocks.offset = ahead
+        turns = ClockTurns(0.0, [WINDOW])
+        turns.look(view, limits, frozenset(others))
+        return turns
+
+    return make
+
+
+def sends(turns, part, *, seconds=60.0, small=0.0):
+    """When a robot sends that has a message at any time, and sends small ones that use this part of each second."""
+    found = []
     for number in range(round(seconds / STEP)):
-        now = since + number * STEP
-        began = turns.began(now, place / robots, robots, part)
-        if began < math.inf:
-            assert began <= now < began + WINDOW
-            found.add(round(began, 6))
-    return sorted(found)
+        now = number * STEP
+        turn = turns.turn(now, 0, part)
+        if small:
+            turns.sent(now, [small * STEP])
+        if turn.began <= now and (not found or turn.began > found[-1] + STEP):
+            assert turn.began <= now < turn.began + TUNING.turn_time * WINDOW + STEP
+            found.append(now)
+            turns.sent(now, [part])
+    return found
 
 
-@pytest.mark.parametrize(("robots", "parts"), [(26, 1.6), (30, 3.3), (50, 2.0), (40, 12.0)])
-def test_no_window_has_more_turns_than_there_is_room_for(robots, parts):
-    """However many robots there are, and however large a message is; at most a third of the room is left."""
-    each = [begins(robots, place, parts / robots) for place in range(robots)]
+@pytest.mark.parametrize(("robots", "part"), [(26, 0.07), (30, 0.11), (50, 0.04), (40, 0.3), (6, 0.34), (4, 0.6)])
+def test_no_window_has_more_turns_than_there_is_room_for(make_turns, robots, part):
+    """However many robots there are, and however large a message is; at most two fifths of the room are left."""
+    each = [sends(make_turns(robots, place, part), part) for place in range(robots)]
     assert all(each)
     start = max(times[0] for times in each)
     turns = sorted(t for times in each for t in times if t >= start)
     most = max(sum(t <= other < t + WINDOW for other in turns) for t in turns)
-    assert robots / parts / 1.35 - 1.0 <= most <= robots / parts + 1.0
+    fitting = math.floor(1.0 / (TUNING.turn_size * part))
+    assert 0.6 * fitting <= most <= fitting
 
 
-def test_who_misses_some_of_the_others_has_nearly_the_same_turns():
+def test_who_misses_some_of_the_others_has_nearly_the_same_turns(make_turns):
     """Else the turns of robots that do not hear all would lie anywhere."""
-    all_heard, some = begins(49, 20, 0.04), begins(46, 19, 0.04)
+    all_heard, some = sends(make_turns(49, 20, 0.04), 0.04), sends(make_turns(46, 19, 0.04), 0.04)
     assert all_heard == pytest.approx(some, abs=0.1 * WINDOW)
 
 
-def test_messages_whose_sizes_vary_have_the_turns_of_the_largest():
-    """Until none was that large for some turns."""
-    turns, small = ClockTurns(WINDOW), begins(30, 7, 0.07)
-    large = begins(30, 7, 0.14, turns=turns)
-    assert begins(30, 7, 0.07, turns=turns)[:2] == large[:2] != small[:2]
-    later = begins(30, 7, 0.07, turns=turns, since=60.0 + TUNING.turn_cycles * (large[1] - large[0]))
-    assert later[1] - later[0] == pytest.approx(small[1] - small[0])
+def test_all_have_the_turns_of_the_largest_messages_that_states_tell_of(make_turns):
+    """Ours are smaller, and go as seldom."""
+    small, beside = sends(make_turns(30, 7, 0.07), 0.07), sends(make_turns(30, 7, 0.07, told=0.14), 0.07)
+    large = sends(make_turns(30, 7, 0.14), 0.14)
+    apart = [times[1] - times[0] for times in (small, beside, large)]
+    assert apart[1] == pytest.approx(apart[2], abs=2 * STEP)
+    assert apart[0] < 0.7 * apart[1]
+
+
+def test_turns_are_by_the_wall_clock(make_turns):
+    """A robot whose own clock began later has the same ones, and knows when the next one begins."""
+    here, there = make_turns(10, 3, 0.3), make_turns(10, 3, 0.3, ahead=1_000.0)
+    for now in (1_030.0, 1_031.5, 1_033.25):
+        mine, theirs = here.turn(now, 0, 0.3), there.turn(now - 1_000.0, 0, 0.3)
+        assert theirs.next + 1_000.0 == pytest.approx(mine.next)
+        assert here.turn(mine.next + STEP, 0, 0.3).began == pytest.approx(mine.next)
+
+
+def test_who_uses_its_part_for_small_samples_has_few_turns(make_turns):
+    """What they leave of it is saved for a large message; nobody saves more than for one."""
+    part, ours, all_paid = 0.3, 0.1 / WINDOW, 0.3 * 10 * WINDOW
+    beside = sends(make_turns(10, 3, part), part, seconds=200.0, small=0.8 * ours)
+    apart = [later - earlier for earlier, later in pairwise(beside)]
+    assert 4.0 * all_paid < min(apart) < max(apart) < 8.0 * all_paid, "a fifth is left for it"
+    assert sends(make_turns(10, 3, part), part, small=1.1 * ours) == []
+
+
+def test_small_messages_need_no_turn(make_turns):
+    """Nor does any while nobody has sent anything of which the size is known."""
+    assert make_turns(10, 3, 0.3).turn(1.0, 0, 0.1) == NOT_NEEDED
+    assert ClockTurns(0.0, [WINDOW]).turn(1.0, 0, 0.3) == NOT_NEEDED

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.protocol.bid import Segment
@@ -22,7 +23,7 @@ def test_each_plans_for_all_while_news_are_early_and_announcements_affordable(ma
     assert not team.look(waiting=0.9 * TUNING.late_news * WINDOW, announcing=TUNING.affordable)
     assert not team.coordination.team.splits
     assert team.coordination.part(team.now, 0) == 1.0
-    assert team.coordination.turn_began(team.now, 0, team.limits[0], 9.0 * team.limits[0].limit) == -math.inf
+    assert team.coordination.turn(team.now, 0, team.limits[0], 9.0 * team.limits[0].limit) == NOT_NEEDED
 
 
 def test_it_is_looked_at_now_and_then(make_team):
@@ -125,15 +126,15 @@ def test_a_large_team_agrees_on_nothing_and_uses_more_than_equal_parts(make_team
     assert team.coordination.settled
     limit = team.limits[0]
     equal = limit.limit / (TUNING.large_team + 1)
-    assert team.coordination.turn_began(team.now, 0, limit, TUNING.turn_parts * equal) == -math.inf
-    began = {team.coordination.turn_began(team.now + 0.1 * n, 0, limit, 4.0 * equal) for n in range(200)}
+    assert team.coordination.turn(team.now, 0, limit, TUNING.turn_parts * equal) == NOT_NEEDED
+    began = {team.coordination.turn(team.now + 0.02 * n, 0, limit, 4.0 * equal).began for n in range(1000)}
     assert math.inf in began
     assert 1 < len(began) < 6
     assert -math.inf not in began
     team.coordination.set_members(team.now, names(TUNING.large_team - 1))
     team.look(waiting=99.0)
     assert team.coordination.announcement(team.now) is not None
-    assert team.coordination.turn_began(team.now, 0, limit, 4.0 * equal) == math.inf, "turns are agreed on"
+    assert team.coordination.turn(team.now, 0, limit, 4.0 * equal) == NOT_NOW, "turns are agreed on"
 
 
 def test_where_a_large_team_splits_strictly_each_has_an_equal_part(make_team):
@@ -143,7 +144,7 @@ def test_where_a_large_team_splits_strictly_each_has_an_equal_part(make_team):
         team.look(using=0.1)
     equal = (1.0 - team.view.settings.floor) / (TUNING.large_team + 1)
     assert team.coordination.part(team.now, 0) == pytest.approx(equal, rel=0.06)
-    assert team.coordination.turn_began(team.now, 0, team.limits[0], team.limits[0].limit) == math.inf
+    assert team.coordination.turn(team.now, 0, team.limits[0], team.limits[0].limit) == NOT_NOW
     assert team.coordination.announcement(team.now) is None
 
 

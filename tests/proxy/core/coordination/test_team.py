@@ -222,20 +222,21 @@ def test_what_comes_seldom_is_announced_in_unicast_where_that_takes_little_and_n
 
 
 @pytest.mark.parametrize(
-    ("size", "announcing", "gives_up"),
-    [(1_000, 1.1, True), (1_000, 0.1, False), (9_000, 1.1, False)],
-    ids=["small enough", "announced", "too large"],
+    ("announcing", "limit", "gives_up"),
+    [(1.1, "8 Mbit/s", True), (0.1, "8 Mbit/s", False), (0.1, "0.3 Mbit/s", True)],
+    ids=["words cost too much", "announced", "words would take long"],
 )
-def test_who_can_neither_agree_nor_announce_keeps_to_an_equal_part(make_team, size, announcing, gives_up):
+def test_who_can_neither_agree_nor_announce_keeps_to_an_equal_part(make_specs, announcing, limit, gives_up):
     """It waits for the others' bids for a while first; where announcements are affordable it plans for all then."""
-    team = make_team(names(9), send=10)
+    team = Robot(make_specs(limit, window=WINDOW), names(9), send=10)
     while team.now < 3.0 * TUNING.agreement_time:
         for stream in team.view.streams:
-            stream.note_generated(stream.generated + 1, Generated(team.now, size, 1.0))
+            stream.note_generated(stream.generated + 1, Generated(team.now, 1_000, 1.0))
         team.say("p01", split=SplitReport(1, (Segment(1000, 100, 4),), 7, 0, (), 0.0, 0), splits=True)
         team.look(announcing=announcing, using=1.0)
     assert team.coordination.team.gave_up is gives_up
     assert team.coordination.team.quiet is gives_up
+    assert team.coordination.by_clock is gives_up, "what is larger goes by turns"
     if gives_up:
         assert team.coordination.split_in_force is None, "nothing is agreed on any more"
         assert team.coordination.part(team.now, 0) == pytest.approx(0.1, rel=0.1)
