@@ -237,7 +237,7 @@ class Core:
             commands += self._tidy(now)
         announcements = gossip.announcements
         parts_changed = parts.coordination.advance(
-            now, budget.limits, channel.staleness, announcements.share, budget.using
+            now, budget.limits, channel.staleness, announcements.share, budget.using, announcements.passes_at
         )
         budget.mute(announcements.due_at(now))
         commands += gate.next(now)

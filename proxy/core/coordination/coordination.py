@@ -188,11 +188,13 @@ class Coordination:
         waiting: float,
         announcing: Callable[[float], float],
         using: Callable[[float], float],
+        passes_at: Callable[[float], float],
     ) -> bool:
         """See whether the team has to split, and what to ask for; return whether there is something to announce.
 
         News of others are `waiting` so long on a channel that is full [s]; `announcing` says what part of the
-        allowance announcements take, `using` what part we use of what we may.
+        allowance announcements take, `using` what part we use of what we may, `passes_at` when it could be told that a
+        slot of ours is passed on.
         """
         begun = len(self._view.streams) > 0
         self._forms_until = self._forms_until if begun else now + TUNING.forming_time
@@ -229,7 +231,7 @@ class Coordination:
             return False
         if due:
             split.bid(now, bid(self._view, now, limits))
-        split.advance(now, self.team.news_take(waiting))
+        split.advance(now, self.team.news_take(waiting), passes_at(now))
         self._formed_at = min(self._formed_at, now) if split.agreement.formed else math.inf
         self.established |= now >= self._formed_at + max(self._kind[0])
         return split.exchange.has_news(now)

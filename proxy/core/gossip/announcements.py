@@ -49,6 +49,10 @@ class Announcements:
         heard = self.overheard and self._view.paths.mean_loss() < TUNING.overheard_loss
         return self._budget.due_ahead(now, TUNING.overheard_debt if heard else TUNING.announcement_debt)
 
+    def passes_at(self, now: float) -> float:
+        """When it could be told that a slot is passed on [s]."""
+        return self._budget.due_ahead(now, TUNING.parts_debt)
+
     def changes_plans(self, size: int, copies: int = 1) -> bool:
         """Whether a message of so many bytes, in so many copies, changes what others plan."""
         return changes_plans(use_of(size, copies, self._limits.limits), self._limits.limits)

@@ -32,7 +32,8 @@ class Demand:
 def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
     """Return what streams ask for together of a limit with this window [s], among so many robots.
 
-    Small messages ask for what they use in the mean, and for what they vary by. Large ones of one size ask for slots.
+    Small messages ask for what they use in the mean, by what each more of it is worth, and for what they vary by. Large
+    ones of one size ask for slots.
     Where sizes vary, more room lets larger messages through, so what is asked for beyond the smallest is divisible.
     """
     small = min(TUNING.small_message, 0.5 / max(1, robots))
@@ -43,11 +44,15 @@ def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
 
 
 def _small(demands: Sequence[Demand], window: float) -> list[Segment]:
-    """Ask for what streams use in the mean, and for what they vary by."""
+    """Ask for what streams use in the mean, by what each more of it is worth, and for what they vary by."""
     levels = []
     for demand in demands:
         amount = UNIT * sum(demand.sizes) / len(demand.sizes) * demand.rate * window
-        levels.append((level_of(demand.value(demand.rate) / amount), amount))
+        low = before = 0.0
+        for share in TUNING.rate_shares:
+            high = demand.value(share * demand.rate)
+            levels.append((level_of((high - low) / (amount * (share - before))), amount * (share - before)))
+            low, before = high, share
     joined = [Segment(_units(amount), level) for level, amount in _joined(levels, TUNING.divisible_segments)]
     spare = UNIT * TUNING.spare_deviations * math.sqrt(sum(demand.variance for demand in demands))
     if not spare:

@@ -40,7 +40,9 @@ class Robot:
 
     def look(self, *, waiting=0.0, announcing=0.0, using=0.0):
         self.now += TUNING.interval
-        return self.coordination.advance(self.now, self.limits, waiting, lambda _: announcing, lambda _: using)
+        return self.coordination.advance(
+            self.now, self.limits, waiting, lambda _: announcing, lambda _: using, lambda now: now
+        )
 
     def say(self, peer, **digest):
         self.now += 0.01

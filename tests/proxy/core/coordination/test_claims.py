@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from proxy.core.coordination.claims import Lead, both, claim, news_take, rivals
+from proxy.core.coordination.claims import CLAIMING, Lead, both, claim, news_take, rivals
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.market.disputes import Disputes
@@ -16,6 +16,8 @@ from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.view import SharedView
 
 PERIOD, SIZE = 0.1, 1_000
+CHEAP = 0.005
+"""So little is a sample worth beside others that its room costs twice as much."""
 
 
 @pytest.fixture
@@ -58,6 +60,20 @@ def test_a_better_claim_that_was_due_just_now_counts_as_taken(view):
     sent(view, "r2", 9.0)
     assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
     assert judged(view, 10.0 + 0.5 * TUNING.deciding, agreed=True) == ((0.0,), math.inf)
+
+
+@pytest.mark.parametrize("cheap", ["r1", "r2"])
+def test_who_does_not_pay_for_its_room_has_no_claim(view, cheap):
+    """It gives way to who does, however long it sent nothing, and nobody gives way to it."""
+    stream = view.streams.known(cheap, f"robot/{cheap}/camera")
+    for count in range(101, 301):
+        stream.note_generated(count, Generated(count * PERIOD - 20.1, SIZE, CHEAP))
+    sent(view, "r1", 9.9 if cheap == "r2" else 1.0)
+    sent(view, "r2", 9.9 if cheap == "r1" else 1.0)
+    limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
+    disputes.advance(10.0, limits, alone=False)
+    assert disputes.weighed(stream).standing in CLAIMING
+    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == ((0.0,) if cheap == "r2" else (SIZE,))
 
 
 def test_a_worse_claim_waits_for_us(view):

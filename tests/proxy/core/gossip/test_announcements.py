@@ -53,7 +53,9 @@ class Sender:
 
     def look(self, now=NOW):
         """The team looks anew who sends, and whether to split the limits."""
-        self.coordination.advance(now, self.limits, 0.0, self.announcements.share, lambda _: 0.0)
+        self.coordination.advance(
+            now, self.limits, 0.0, self.announcements.share, lambda _: 0.0, self.announcements.passes_at
+        )
 
 
 @pytest.fixture

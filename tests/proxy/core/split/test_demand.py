@@ -35,6 +35,20 @@ def test_small_streams_get_what_they_need():
     assert all(part >= need * 10_000 for part in parts.values())
 
 
+def test_small_streams_ask_for_the_first_messages_of_a_window_at_a_higher_level_than_for_the_last():
+    """So that equal robots get alike, though the messages of some are a little smaller."""
+    demands = {
+        f"r{i}": Demand(((0.029, 0.031)[i % 2],), 14.0, lambda rate: 1.0 - 0.3 / max(rate, 0.3)) for i in range(8)
+    }
+    bids = {name: bid_for([demand], 1.0, 8) for name, demand in demands.items()}
+    assert {segment.quarters for bid in bids.values() for segment in bid} == {0}
+    levels = [segment.level for segment in bids["r0"]]
+    assert levels == sorted(set(levels), reverse=True)
+    assert sum(segment.amount for segment in bids["r0"]) == pytest.approx(10_000 * 0.029 * 14.0, abs=len(levels))
+    parts = allocate(bids, 8, 100).parts
+    assert max(parts.values()) < 1.5 * min(parts.values())
+
+
 def test_small_streams_ask_for_what_they_vary_by():
     """Three standard deviations of what all together send in a window, in one segment."""
     varying = [replace(demand, variance=0.25 * fmean(demand.sizes) ** 2) for demand in MIXED[1:]]

@@ -211,6 +211,25 @@ def test_large_messages_go_by_turns(robots, delay, least):
     assert max(sent.values()) <= 2 * min(sent.values())
 
 
+def test_a_slot_is_kept_until_it_can_be_told_that_it_is_passed_on():
+    """Else nobody has it: the next robot has not heard of it."""
+    flight = fleet(2, (*SMALL, Segment(6000, 100, 2)))
+    (holder,) = [split for split in flight.splits.values() if not waits_for_turn(split)]
+    name, now = holder.agreement.own, flight.clock(holder.agreement.own)
+    ends = holder.due_at(now)
+    while ends <= now:
+        now += 0.01
+        ends = holder.due_at(now)
+    told = now + 20.0
+    for _ in range(100):
+        now += 0.1
+        assert not holder.advance(now, 0.02, told), name
+        assert not waits_for_turn(holder)
+        assert holder.due_at(now) > now, "nothing is looked at again before that"
+    assert holder.advance(told + 0.01, 0.02, told)
+    assert waits_for_turn(holder)
+
+
 def test_small_messages_go_on_beside_a_large_one_whose_slot_was_passed_on():
     """What was sent in the slot does not count against what remains."""
     flight = fleet(4, FRAMES)
