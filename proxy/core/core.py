@@ -237,7 +237,12 @@ class Core:
             commands += self._tidy(now)
         announcements = gossip.announcements
         parts_changed = parts.coordination.advance(
-            now, budget.limits, channel.staleness, announcements.share, budget.using, announcements.passes_at
+            now,
+            budget.limits,
+            channel.staleness,
+            announcements.share,
+            budget.using,
+            passes_at=announcements.passes_at,
         )
         budget.mute(announcements.due_at(now))
         commands += gate.next(now)

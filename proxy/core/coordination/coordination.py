@@ -188,6 +188,7 @@ class Coordination:
         waiting: float,
         announcing: Callable[[float], float],
         using: Callable[[float], float],
+        *,
         passes_at: Callable[[float], float],
     ) -> bool:
         """See whether the team has to split, and what to ask for; return whether there is something to announce.

@@ -41,7 +41,7 @@ class Robot:
     def look(self, *, waiting=0.0, announcing=0.0, using=0.0):
         self.now += TUNING.interval
         return self.coordination.advance(
-            self.now, self.limits, waiting, lambda _: announcing, lambda _: using, lambda now: now
+            self.now, self.limits, waiting, lambda _: announcing, lambda _: using, passes_at=lambda now: now
         )
 
     def say(self, peer, **digest):

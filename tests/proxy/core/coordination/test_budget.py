@@ -58,7 +58,7 @@ def test_a_sample_waits_for_a_part_that_grows(make_budget):
     """As what others sent in a slot of ours leaves the window; for more than that nothing waits."""
     budget, _ = make_budget(kind="split", peers=0)
     coordination = budget._coordination
-    coordination.advance(0.5, (BYTES,), 0.0, lambda _: 0.0, lambda _: 0.0, lambda now: now)
+    coordination.advance(0.5, (BYTES,), 0.0, lambda _: 0.0, lambda _: 0.0, passes_at=lambda now: now)
     grows = coordination.grows_at(0.6)
     assert 0.6 < grows < math.inf
     assert budget.lacking(0.6, (900.0,))
@@ -128,7 +128,7 @@ def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_b
         stream.matching = True
         for count in range(9):
             stream.note_generated(count + 1, Generated(count - 9.0 + number / robots, round(large[0]), 1.0))
-    budget._coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 1.0, lambda now: now)
+    budget._coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 1.0, passes_at=lambda now: now)
     sent, opens = list[float](), -math.inf
     for number in range(3000):
         now = 0.1 + 0.01 * number

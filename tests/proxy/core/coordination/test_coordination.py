@@ -32,7 +32,7 @@ def test_it_is_looked_at_now_and_then(make_team):
     team.look()
     assert team.coordination.due_at(team.now) > 1e9
     team.coordination.advance(
-        team.now + 0.5 * TUNING.interval, team.limits, 99.0, lambda _: 99.0, lambda _: 0.0, lambda now: now
+        team.now + 0.5 * TUNING.interval, team.limits, 99.0, lambda _: 99.0, lambda _: 0.0, passes_at=lambda now: now
     )
     assert not team.coordination.team.votes_to_split
     alone = make_team(())

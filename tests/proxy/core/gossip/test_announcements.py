@@ -54,7 +54,7 @@ class Sender:
     def look(self, now=NOW):
         """The team looks anew who sends, and whether to split the limits."""
         self.coordination.advance(
-            now, self.limits, 0.0, self.announcements.share, lambda _: 0.0, self.announcements.passes_at
+            now, self.limits, 0.0, self.announcements.share, lambda _: 0.0, passes_at=self.announcements.passes_at
         )
 
 
