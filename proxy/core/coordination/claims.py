@@ -18,7 +18,9 @@ sent counts as taken until it is known what became of it: five robots with sampl
 in 5 to 9 % of their windows where a sample gave way only once, and do so in 0.4 to 4 %. Who has the next best claim may
 have given way until then, so what becomes of its sample is known later still, and so on: of eight robots with cameras,
 whose news took 8 ms, three sent at one moment now and then (1.3 to 1.4 limits), and 1.4 % of the windows were over the
-limit with 1,028 kB sent; now 0.4 %, by 1 %, with 1,046 kB. Who sent last counts until all can know of it, though its
+limit with 1,028 kB sent; now 0.4 %, by 1 %, with 1,046 kB. Not so where it is known less well than news take when a
+sample comes: one such stream held up all behind it, and eight robots with two seldom streams each reached 81 to 87 % of
+a central decider (broadcast, 2 ms), and reach 90 to 96 now. Who sent last counts until all can know of it, though its
 own claim is small then: of ten robots with equal messages two sent at one moment in 3.2 to 6.4 % of the windows, and in
 1.0 to 1.9 % now.
 
@@ -133,8 +135,10 @@ def rivals(
                 continue
             if rank == 0 and since < opened < since + disputes.patience(each):
                 since = opened + opening(view) + view.staleness.delay
-            ends = max(since, decided) + news + _spread(now, each)
-            decided, part = max(decided, ends), float(now < ends)
+            spread = _spread(now, each)
+            known = math.inf if spread <= news else -math.inf  # whether it is known when it decides
+            ends = max(since, min(decided, known)) + news + spread
+            decided, part = max(decided, min(ends, known)), float(now < ends)
             size = max(each.sizes.mean, each.sizes.announced) + TUNING.larger_deviations * each.sizes.deviation
         else:
             ends, size = now + news, each.sizes.mean

@@ -187,6 +187,23 @@ def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
     assert taken(view, 10.0 + 2.6 * news) == (0.0,)
 
 
+def test_nobody_waits_for_who_gave_way_to_a_sample_whose_time_is_hardly_known(view):
+    """It counts for as long as it may come; what becomes of those behind it is known as soon as without it."""
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    news = news_take(view)
+    third = view.streams.touch(0.0, "r3", "robot/r3/camera")
+    third.matching = True
+    for count in range(100):
+        third.note_generated(count + 1, Generated(count * PERIOD, SIZE, 1.0))
+    third.schedule.observe(101, 9.9, Rhythm(PERIOD, 9.9, 101, 2.0 * news, 16))
+    sent(view, "r3", 8.0)
+    assert TUNING.late_part * PERIOD > 1.5 * news
+    assert taken(view, 10.0 + 0.5 * news) == (2 * SIZE,)
+    assert taken(view, 10.0 + 1.5 * news) == (SIZE,), "the third alone"
+    assert taken(view, 10.0 + news + 1.1 * TUNING.late_part * PERIOD) == (0.0,)
+
+
 def test_who_sent_last_counts_until_all_can_have_heard_of_it(view):
     """Its claim is small then, and another one has given way to it until now and may send next."""
     news = news_take(view)
