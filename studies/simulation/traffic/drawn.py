@@ -59,15 +59,29 @@ class Drawn:
 
     @property
     def label(self) -> str:
+        """Tell what it is like in a line, and how it is flown."""
+        return self._told(f"{self.how.transport}, {self.how.latency * 1e3:.0f} ms, ")
+
+    @property
+    def offer(self) -> str:
         """Tell what it is like in a line."""
-        window = self.workload.rate * self.workload.window
+        return self._told("")
+
+    def _told(self, how: str) -> str:
+        workload = self.workload
+        limit = workload.rate * workload.window
         kinds = ", ".join(
-            f"{type(kind.utility).__name__} {kind.rates[1] / SPREAD:.1f} Hz {max(kind.sizes) / window:.2f} limits"
+            f"{type(kind.utility).__name__} {kind.rates[1] / SPREAD:.1f} Hz {max(kind.sizes) / limit:.2f} limits"
             f"{' anew' if kind.anew else ''}{' at random' if kind.at_random else ''}"
-            for kind in self.workload.kinds
+            for kind in workload.kinds
         )
-        where = f"{self.how.transport}, {self.how.latency * 1e3:.0f} ms, {self.workload.rate / MBIT:g} Mbit/s"
-        return f"{self.seed}: {len(self.workload.robots)} robots, {where}, {self.workload.window:g} s: {kinds}"
+        where = f"{len(workload.robots)} robots, {how}{workload.rate / MBIT:g} Mbit/s, {workload.window:g} s"
+        return f"{self.seed}: {where}: {kinds}"
+
+    @property
+    def disputed(self) -> bool:
+        """Whether not all of it fits, and not hardly any."""
+        return LOADS[0] < self.load < LOADS[1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +125,7 @@ def _kind(draw: np.random.Generator, name: str, limit: float) -> Kind:
 def reach(seed: int, seconds: float) -> Reached | None:
     """Fly what a seed draws, so long with the warm-up [s]; None where all of it fits, or hardly any."""
     drawn = drawn_by(seed)
-    if not LOADS[0] < drawn.load < LOADS[1]:
+    if not drawn.disputed:
         return None
     how = drawn.how
     mission = draw_from(drawn.workload, seed, seconds, latency=how.latency, everybody=how.broadcasts)

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 
+from studies.benchmarks.traffic import drawn as drawn_daemons
 from studies.benchmarks.traffic.__main__ import main
 from studies.benchmarks.traffic.agenda import draw
 from studies.benchmarks.traffic.between import Way, listen
@@ -16,6 +17,7 @@ from studies.benchmarks.traffic.figures import best, figures, reached
 from studies.benchmarks.traffic.flight import Flight, Published
 from studies.benchmarks.traffic.measure import CASES, Case
 from studies.benchmarks.traffic.payload import HEAD, Label, payload, read
+from studies.simulation.traffic.drawn import drawn_by
 from tests.waiting import wait_until
 
 ALARM = [kind.name for kind in Case().workload.kinds].index("alarm")
@@ -188,3 +190,25 @@ def batch(kind, body):
 
 
 KEEP_ALIVE, FRAME, FRAGMENT = 0x04, 0x05, 0x06
+
+
+@pytest.mark.full
+def test_real_daemons_fly_what_is_drawn(tmp_path, capsys):
+    """The page has a row for each workload, with what was reached of the best."""
+    page, drawn = tmp_path / "drawn_daemons.md", drawn_by(81)
+    arguments = ["--first", "80", "--seeds", "2", "--robots", "2", "--seconds", "8", "--time-limit", "5"]
+    assert drawn_daemons.main([*arguments, "--output", str(page)]) == 0
+    out, err = capsys.readouterr()
+    (flown,) = err.splitlines()
+    assert flown.startswith(f"workload {drawn.offer}; utility of the best ")
+    reached_of_best = float(flown.split("utility of the best ")[1].split("%")[0])
+    assert 20.0 < reached_of_best <= 105.0
+    assert drawn.offer in page.read_text()
+    assert drawn.offer in out
+
+
+def test_what_is_drawn_has_to_be_disputed_and_small(capsys):
+    """Else nothing is flown, and the command says so."""
+    with pytest.raises(SystemExit):
+        drawn_daemons.main(["--first", "80", "--seeds", "1"])
+    assert "small team" in capsys.readouterr().err
