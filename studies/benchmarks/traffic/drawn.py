@@ -106,7 +106,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for page in pages:
         print(f"\n{page.text()}")
     if options.output:
-        command = f"python -m studies.benchmarks.traffic.drawn {' '.join(arguments or sys.argv[1:])}".strip()
+        command = (
+            f"python -m studies.benchmarks.traffic.drawn --first {options.first} --seeds {options.seeds}"
+            f" --robots {options.robots} --seconds {options.seconds:g} --time-limit {options.time_limit:g}"
+        )
         write_page(options.output, "Real daemons on drawn workloads", pages, datetime.now(UTC), command)
     return 0
 
