@@ -1,6 +1,7 @@
 """What is promised names tests and commands that are there."""
 
 import re
+from importlib.util import find_spec
 
 import pytest
 
@@ -11,6 +12,7 @@ from tests.docs.pages import ROOT
 PAGE = (ROOT / "RELIABILITY.md").read_text()
 COMMANDS = sorted(set(re.findall(r"\| `([^`]+)` \| (?:each change|–|2026-\d\d-\d\d) \|", PAGE)))
 BENCHMARK = ".venv/bin/python -m studies.benchmarks "
+STUDY = ".venv/bin/python -m studies."
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 
 
@@ -33,6 +35,9 @@ def test_commands_run_what_is_there(command):
         return
     if command.startswith(BENCHMARK):
         assert command.removeprefix(BENCHMARK) in BENCHMARKS
+        return
+    if command.startswith(STUDY):
+        assert find_spec(f"studies.{command.removeprefix(STUDY)}")
         return
     path = command.removeprefix(".venv/bin/python -m pytest ")
     assert path != command

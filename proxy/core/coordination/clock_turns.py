@@ -2,12 +2,13 @@
 
 In a *cycle* each robot has one turn, a moment in which it may send a message. By the wall clock the turns begin one
 after the other, in the order of tags, so far apart that no window holds more of them than there is room for. Samples
-wait for their turn, so that it can be short. Where a turn lasted for a window 28 robots with cameras had 19 % of the
-windows over the limit (broadcast), and have none now; where each robot sent once it had sent nothing for as many
-windows as its message has parts, it were 67 %.
+wait for their turn, so that it can be short. Where each robot sent once it had sent nothing for as many windows as its
+message has parts, 28 robots with cameras had 67 % of the windows over the limit (broadcast), with turns that last for a
+window 19 %, and none now.
 
-A cycle depends on the number of robots and on the size of the largest messages of all, as their states tell. The number
-is rounded up: else who misses some of the others would have other turns each time.
+A cycle depends on the number of robots, rounded up, or who misses some of the others would have other turns each time,
+and on the size of the largest messages that two robots have, as their states tell: one that alone tells of larger ones
+sends them in its turns, and does not take the others theirs.
 """
 
 import math
@@ -43,13 +44,15 @@ class ClockTurns:
         """How many robots have turns, and which part of them come before us."""
         self._slots = [0] * len(self._windows)
         """How many large messages each limit has room for; 0 while nobody has any."""
+        self._saved = [0.0] * len(self._windows)
+        """What part of each limit is saved for a large message of ours at most."""
         self._ahead = 0.0
         """By how much the wall clock is ahead of ours [s]."""
         self._paid = [now] * len(self._windows)
         """Until when our part of each limit has paid for all that we sent [s].
 
         Robots use most of their parts for small samples, if they have many. Where each sent a frame in every turn, too,
-        28 robots with cameras and small samples had 41 % of the windows over the limit, by up to 1.64; now it is 2 %.
+        28 robots with cameras and small samples had 41 % of the windows over the limit, by up to 1.64, and none now.
         """
 
     def look(self, view: SharedView, limits: tuple[Limit, ...], sharers: frozenset[str]) -> None:
@@ -57,13 +60,17 @@ class ClockTurns:
         own = tag(view.settings.zid)
         self._robots, self._ahead = len(sharers) + 1, view.clocks.offset
         self._place = sum(name < own for name in sharers) / self._robots
-        sizes = [round(stream.sizes.mean) for stream in view.streams.own()]
-        sizes += [
-            told.size for peer in view.peers.values() for key, told in peer.told.items() if view.specs.planned(key)
-        ]
-        uses = use_of(round(TUNING.turn_size * max(sizes, default=0)), 1, limits)
-        shared = zip(limits, uses, self._windows, strict=False)
-        self._slots = [max(1, math.floor(limit.limit / use)) if use > 0.0 else 0 for limit, use, _ in shared]
+        streams = list(view.streams.own())
+        ours = max((round(stream.sizes.mean) for stream in streams), default=0)
+        copies = max((view.subscribers.copies(stream) for stream in streams), default=1)
+        planned, peers = view.specs.planned, view.peers.values()
+        told = [max((each.size for key, each in peer.told.items() if planned(key)), default=0) for peer in peers]
+        known = sorted([size for size in (ours, *told) if size])
+        size = (known or [0])[-2 if len(known) > 2 else -1]
+        parts, most = ([_part(limit, each, copies) for limit in limits] for each in (size, ours))
+        for k in range(len(self._windows)):
+            self._slots[k] = max(1, math.floor(1.0 / parts[k])) if parts[k] > 0.0 else 0
+            self._saved[k] = max(parts[k], most[k])
 
     def turn(self, now: float, k: int, part: float) -> Turn:
         """Return our turn with a message that takes this part of limit `k`; none is needed where that is not large."""
@@ -76,10 +83,15 @@ class ClockTurns:
         return Turn(began - self._ahead if is_now else math.inf, began + cycle - self._ahead, 1.0 / self._slots[k])
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
-        """A message was sent that takes such parts of the limits; no more than a slot of ours is saved for it."""
-        for k, (use, slots, window) in enumerate(zip(uses, self._slots, self._windows, strict=True)):
-            each = self._robots * window
-            self._paid[k] = max(self._paid[k], now - each / max(slots, 1)) + use * each
+        """A message was sent that takes such parts of the limits."""
+        for k, (use, saved, window) in enumerate(zip(uses, self._saved, self._windows, strict=True)):
+            all_of_it = self._robots * window
+            self._paid[k] = max(self._paid[k], now - saved * all_of_it) + use * all_of_it
+
+
+def _part(limit: Limit, size: int, copies: int) -> float:
+    """Return what part of a limit a little more than a message of this size takes."""
+    return use_of(round(TUNING.turn_size * size), copies, (limit,))[0] / limit.limit
 
 
 def _rounded(number: float) -> float:

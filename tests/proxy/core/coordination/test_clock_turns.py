@@ -20,9 +20,12 @@ STEP = 0.01
 
 @pytest.fixture
 def make_turns(make_specs):
-    """The turns of the robot at a `place` among so many, whose messages take this part of the limit, and a message."""
+    """The turns of the robot at a `place` among so many, whose messages take this part of the limit.
 
-    def make(robots, place, part, *, told=0.0, ahead=0.0):
+    Of the others so many `tellers` have such that take another one, which they have `told`.
+    """
+
+    def make(robots, place, part, *, told=0.0, tellers=0, ahead=0.0):
         own = f"p{place - 1:02d}x" if place else "a"
         specs = make_specs(window=WINDOW)
         view, limits = SharedView(CoreSettings("r1", own), specs), limits_of(specs, 0.02, robots)
@@ -31,11 +34,10 @@ def make_turns(make_specs):
         for count in range(9):
             stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
         others = names(robots - 1)
-        for name in others:
+        for number, name in enumerate(others):
             view.add_peer(0.0, name, name)
-        if told:
-            key = f"robot/{others[0]}/camera"
-            view.peers[others[0]].told[key] = StreamState(1, key, "camera", 0.5, size=round(told * limits[0].limit))
+            theirs, key = round((told if number < tellers else part) * limits[0].limit), f"robot/{name}/camera"
+            view.peers[name].told[key] = StreamState(1, key, "camera", 0.5, size=theirs)
         view.clocks.offset = ahead
         turns = ClockTurns(0.0, [WINDOW])
         turns.look(view, limits, frozenset(others))
@@ -78,12 +80,20 @@ def test_who_misses_some_of_the_others_has_nearly_the_same_turns(make_turns):
 
 
 def test_all_have_the_turns_of_the_largest_messages_that_states_tell_of(make_turns):
-    """Ours are smaller, and go as seldom."""
-    small, beside = sends(make_turns(30, 7, 0.07), 0.07), sends(make_turns(30, 7, 0.07, told=0.14), 0.07)
-    large = sends(make_turns(30, 7, 0.14), 0.14)
-    apart = [times[1] - times[0] for times in (small, beside, large)]
+    """Ours are smaller, and go as seldom. Of one alone they tell nothing: it could take the turns of all others."""
+    small, beside = (sends(make_turns(30, 7, 0.07, told=told, tellers=2), 0.07) for told in (0.07, 0.14))
+    large, lone = sends(make_turns(30, 7, 0.14), 0.14), sends(make_turns(30, 7, 0.07, told=0.9, tellers=1), 0.07)
+    apart = [times[1] - times[0] for times in (small, beside, large, lone)]
     assert apart[1] == pytest.approx(apart[2], abs=2 * STEP)
+    assert apart[0] == pytest.approx(apart[3], abs=2 * STEP)
     assert apart[0] < 0.7 * apart[1]
+
+
+def test_who_alone_has_large_messages_sends_them_as_its_part_allows(make_turns):
+    """Small ones beside them do not use up what it saves."""
+    times = sends(make_turns(10, 3, 0.3, told=0.001, tellers=9), 0.3, seconds=200.0, small=0.2 * 0.1 / WINDOW)
+    apart = [later - earlier for earlier, later in pairwise(times)]
+    assert 0.3 * 10 * WINDOW < min(apart) < max(apart) < 1.5 * 0.3 * 10 * WINDOW
 
 
 def test_turns_are_by_the_wall_clock(make_turns):
