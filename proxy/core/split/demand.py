@@ -32,24 +32,26 @@ class Demand:
 def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
     """Return what streams ask for together of a limit with this window [s], among so many robots.
 
-    Small messages ask for what they use in the mean, by what each more of it is worth, and for what they vary by. Large
-    ones of one size ask for slots.
+    Small messages ask for what they use in the mean, and for what they vary by. Large ones of one size ask for slots.
     Where sizes vary, more room lets larger messages through, so what is asked for beyond the smallest is divisible.
     """
     small = min(TUNING.small_message, 0.5 / max(1, robots))
     asking = [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]
-    few = _small([demand for demand in asking if max(demand.sizes) <= small], window)
+    few = _small([demand for demand in asking if max(demand.sizes) <= small], window, 1.0 / max(1, robots))
     large = [s for demand in asking if max(demand.sizes) > small for s in _large(demand, window, small)]
     return tuple(sorted(few + large, key=lambda s: (-s.level, s.quarters, s.amount))[: BOUNDS.segments])
 
 
-def _small(demands: Sequence[Demand], window: float) -> list[Segment]:
-    """Ask for what streams use in the mean, by what each more of it is worth, and for what they vary by."""
+def _small(demands: Sequence[Demand], window: float, equal: float) -> list[Segment]:
+    """Ask for what streams use in the mean, and for what they vary by.
+
+    Of a stream that uses much of an `equal` part all that it sends is not worth the same.
+    """
     levels = []
     for demand in demands:
         amount = UNIT * sum(demand.sizes) / len(demand.sizes) * demand.rate * window
         low = before = 0.0
-        for share in TUNING.rate_shares:
+        for share in TUNING.rate_shares if amount > TUNING.much * UNIT * equal else (1.0,):
             high = demand.value(share * demand.rate)
             levels.append((level_of((high - low) / (amount * (share - before))), amount * (share - before)))
             low, before = high, share

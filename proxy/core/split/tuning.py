@@ -42,8 +42,11 @@ class SplitTuning:
     """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
     rate_shares: tuple[float, ...] = (0.125, 0.25, 0.5, 1.0)
     """What small messages ask for is valued at such parts of their rate: the first ones are worth more than the last.
-    Where all was valued as the last one, the first robots of eight with equal streams of 14 Hz and 3 % of the limit got
-    all that they asked for, and the others nothing: 67 % of a central decider (unicast, 20 ms), and 98 now."""
+    Where all was valued alike, the first robots of eight with equal streams of 14 Hz and 3 % of the limit got
+    all that they asked for, and the others nothing: 67 % of a central decider (unicast, 20 ms), and 98 now..."""
+    much: float = 0.5
+    """... where a stream asks for more than this part of an equal one. Odometry beside cameras asks for less, and comes
+    before frames as a whole: else eight robots sent 84 % of it where news took 300 ms."""
     spare_deviations: float = 3.0
     """Room beside the mean is asked for as so many standard deviations of what is generated in a window..."""
     spare_levels: int = 2 * STEPS

@@ -49,6 +49,13 @@ def test_small_streams_ask_for_the_first_messages_of_a_window_at_a_higher_level_
     assert max(parts.values()) < 1.5 * min(parts.values())
 
 
+def test_a_small_stream_that_asks_for_little_asks_for_all_of_it_alike():
+    """So that all of its samples come before large messages, though the last are worth less."""
+    (segment,) = bid_for([ODOMETRY], 0.5, 8)
+    assert segment.amount == pytest.approx(10_000 * 0.0019 * 10.0, abs=1)
+    assert len(bid_for([ODOMETRY], 0.5, 100)) == 4
+
+
 def test_small_streams_ask_for_what_they_vary_by():
     """Three standard deviations of what all together send in a window, in one segment."""
     varying = [replace(demand, variance=0.25 * fmean(demand.sizes) ** 2) for demand in MIXED[1:]]
