@@ -67,10 +67,10 @@ class ClockTurns:
         told = [max((each.size for key, each in peer.told.items() if planned(key)), default=0) for peer in peers]
         known = sorted([size for size in (ours, *told) if size])
         size = (known or [0])[-2 if len(known) > 2 else -1]
-        parts, most = ([_part(limit, each, copies) for limit in limits] for each in (size, ours))
         for k in range(len(self._windows)):
-            self._slots[k] = max(1, math.floor(1.0 / parts[k])) if parts[k] > 0.0 else 0
-            self._saved[k] = max(parts[k], most[k])
+            part = _part(limits[k], size, copies)
+            self._slots[k] = max(1, math.floor(1.0 / part)) if part > 0.0 else 0
+            self._saved[k] = _part(limits[k], max(size, ours), copies)
 
     def turn(self, now: float, k: int, part: float) -> Turn:
         """Return our turn with a message that takes this part of limit `k`; none is needed where that is not large."""

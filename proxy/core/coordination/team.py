@@ -125,8 +125,8 @@ class Team:
         """Robots have yet to agree on parts, or not; where that takes too long they do without for a while."""
         agreeing = pending and bool(self.members) and not self.large
         self._stuck = self._patience.is_over(now, self.news_take(waiting), pending=agreeing)
-        dear = self._dear_since < math.inf or _words_take_long(self._view, self.robots)
-        self.gave_up = self._stuck and (self.gave_up or dear)
+        dear = self.gave_up or self._dear_since < math.inf
+        self.gave_up = self._stuck and (dear or _words_take_long(self._view, self.robots))
 
     def judge(
         self,
@@ -176,8 +176,8 @@ class Team:
         """Return whether several robots send several streams each, and nothing much larger than an equal part."""
         if self.sharing < TUNING.even_robots or self._streams_each() < TUNING.even_streams:
             return False
-        most = TUNING.even_parts * (1.0 if self.even else TUNING.hysteresis)
-        return not _exceeded(most / self.sharing, competing, limits)
+        most = TUNING.even_parts * (1.0 if self.even else TUNING.hysteresis) / self.sharing
+        return not any(exceeds(most, use_of(round(stream.sizes.mean), 1, limits), limits) for stream in competing)
 
     def _find_senders(self) -> frozenset[str]:
         """Return the tags of the others that share what there is: all but those that are known to have sent nothing.
@@ -239,11 +239,6 @@ class Team:
         """Whether a robot that knows its rhythms finds no split due: who joins it does as it does."""
         told = ((name, each) for name, peer in self._view.peers.items() for each in peer.told.values())
         return any(each.period > 0.0 and name not in self._votes for name, each in told)
-
-
-def _exceeded(part: float, competing: Collection[Stream], limits: tuple[Limit, ...]) -> bool:
-    """Return whether a message of any stream takes more than this part of a limit."""
-    return any(exceeds(part, use_of(round(stream.sizes.mean), 1, limits), limits) for stream in competing)
 
 
 def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> bool:
