@@ -10,9 +10,10 @@ from dataclasses import replace
 
 from proxy.core.coordination.clock_turns import NOT_NEEDED
 from proxy.core.coordination.coordination import Coordination
+from proxy.core.coordination.handover import Handover
 from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.room import Openings
+from proxy.core.market.room import Openings, Room
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window
 from proxy.core.view.view import SharedView
@@ -37,7 +38,8 @@ class Budget:
         self._others_known: tuple[float, int, tuple[Limit, ...], bool] = (-math.inf, 0, (), False)
         """When, after how many notes, under which limits and in which coordination others had sent `_others_sent`."""
         self._others_sent: tuple[Send, ...] = ()
-        self._openings = Openings()
+        self._openings = {room: Openings() for room in Room}
+        self._handover = Handover(view)
 
     @property
     def alone(self) -> bool:
@@ -117,21 +119,26 @@ class Budget:
         rooms = [(use[k], part * self.whole(now, k), self.used(now, k)) for k in shared]
         return all(u <= TUNING.certain_message * room and used + u <= room for u, room, used in rooms)
 
-    def opens(self, now: float, use: tuple[float, ...], *, anybodys: bool = False) -> float:
-        """When the room opens for a message that our sends, or `anybodys`, leave [s]; −∞ where it is there, else ∞.
+    def opens(self, now: float, use: tuple[float, ...], wanted: Room = Room.OWN) -> float:
+        """When the `wanted` room opens for a message [s]; −∞ where it is there, ∞ where it never does.
 
         Or when our part grows that is too small for it, as a slot was passed on to us: ten robots with equal messages
         reached 82 to 93 % of a central decider in `split` where such a sample was dropped, and reach 83 to 95 now.
         """
         if self._coordination.by_clock and (turn := _next_turn(self, self._coordination, now, use)) > -math.inf:
             return turn if self.lacking(now, use) else -math.inf
+        longer = MARKET.closed
+        if wanted is Room.IN_TURN and not self.alone:
+            longer += self._handover.longest(len(self._coordination.team.members), self.limits)
         if all(
-            self._counted(now, k, c.window + MARKET.closed, use[k]) + use[k] <= c.limit
-            for k, c in enumerate(self.usable(now))
+            self._counted(now, k, c.window + longer, use[k]) + use[k] <= c.limit for k, c in enumerate(self.usable(now))
         ):
             return -math.inf
+        others = self.others(now)
+        if wanted is Room.IN_TURN and others:
+            others = self._handover.in_turn(others, now - self._memory, self.limits)
         since = now - longest_window(self.limits) - MARKET.closed
-        departures = self._openings.after(since, self.own, self.others(now), anybodys=anybodys)
+        departures = self._openings[wanted].after(since, self.own, others, anybodys=wanted is not Room.OWN)
         opening = departures.opens(self.usable(now), use)
         if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):
             return opening

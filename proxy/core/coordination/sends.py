@@ -2,12 +2,13 @@
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import islice
 
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
-from proxy.core.view.traffic import Amount, TrafficLog
+from proxy.core.view.peer import Entry
+from proxy.core.view.traffic import TrafficLog
 
 
 class SendLog:
@@ -185,17 +186,15 @@ class OthersSends:
         if limits != self._limits or retracted != traffic.retracted:
             self._log, sends = SendLog(), 0
         self._limits, self._taken = limits, noted
-        for t, amount in islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None):
+        for t, amount, _ in islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None):
             self._log.add(t, use_of(*amount, limits, own=False))
 
 
-def uses_of(
-    now: float, sent: Iterable[tuple[float, Amount]], limits: tuple[Limit, ...], leave_after: float
-) -> tuple[Send, ...]:
+def uses_of(now: float, sent: Collection[Entry], limits: tuple[Limit, ...], leave_after: float) -> tuple[Send, ...]:
     """Return what this used of each limit that others sent.
 
     They announce when they decided, and their samples take as long to leave as ours: where who waited for their room
     sent a window after the decision, windows of eight busy daemons held up to 1.3 limits.
     """
-    alike = {amount: use_of(*amount, limits, own=False) for amount in {amount for _, amount in sent}}
-    return tuple([(min(t + leave_after, max(t, now)), alike[amount]) for t, amount in sent])
+    alike = {amount: use_of(*amount, limits, own=False) for amount in {amount for _, amount, _ in sent}}
+    return tuple([(min(t + leave_after, max(t, now)), alike[amount]) for t, amount, _ in sent])

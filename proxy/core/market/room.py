@@ -1,19 +1,31 @@
 """When there is room: sends leave the windows of the limits one after the other.
 
 Room that our own send leaves is ours to wait for. Room that another robot's send leaves is not: several would wait for
-it, and send at once when it opens (in a team of ten 13 % of the windows were exceeded). Small samples that are not
-contested wait for that, too: there is room for all of them.
+it, and send at once when it opens (in a team of ten 13 % of the windows were exceeded). Who leads waits for that, too,
+and what is not contested does in turn.
 """
 
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
+from enum import Enum
 from itertools import accumulate
 from typing import Protocol
 
 from planner import Constraint
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Send
+
+
+class Room(Enum):
+    """Which room a sample waits for."""
+
+    OWN = "own"
+    """What our own sends leave."""
+    IN_TURN = "in turn"
+    """What any robot's sends leave, when its turn comes to us."""
+    ANYBODYS = "anybodys"
+    """What any robot's sends leave."""
 
 
 class Departures:

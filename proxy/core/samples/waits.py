@@ -6,6 +6,7 @@ from proxy.core.coordination.claims import Lead, news_take, opening
 from proxy.core.coordination.first_sends import first_at
 from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.market.pace import carried, pace_part
+from proxy.core.market.room import Room
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans, longest_window
 from proxy.core.model.mode import Mode
@@ -125,7 +126,8 @@ class Waits:
             self._inbox.rest(sample, until)
             return True
         needed = self._disputes.besides(now, use) if contested else use
-        room = self._budget.opens(now, needed, anybodys=leads or not contested)
+        wanted = Room.ANYBODYS if leads else Room.OWN if contested else Room.IN_TURN
+        room = self._budget.opens(now, needed, wanted)
         if leads and room > now:
             room += opening(self._view)
         opens = room if room <= until else -math.inf

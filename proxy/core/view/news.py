@@ -53,7 +53,7 @@ class News:
         more = peer.pending.keep(news)
         # Not if it does not say how large it was, or was heard from the air.
         if more and news.size and not self._subscribers.overhears(peer.robot):
-            entry = self._traffic.note_unknown(min(peer.offset.ours(news.t_forwarded), now), news.size)
+            entry = self._traffic.note_unknown(min(peer.offset.ours(news.t_forwarded), now), news.size, peer.robot)
             peer.pending.count(news.id, entry)
 
     def _take(self, now: float, peer: Peer, key: str, news: StreamDigest, *, counts: bool) -> None:

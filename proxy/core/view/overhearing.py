@@ -79,7 +79,7 @@ class Overhearing:
             self._take_from(now, t_gen, event, peer)
         elif peer is not None:
             peer.hear_sample()
-            self._traffic.note_unknown(now, event.size)
+            self._traffic.note_unknown(now, event.size, peer.robot)
         elif robot.startswith(PLAIN) and (stream := self._streams.touch(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)
@@ -96,7 +96,7 @@ class Overhearing:
         if stream is None or stream.last is None:
             stream = self._meet(now, t_gen, event, peer)
         if stream is None or stream.last is None:
-            self._traffic.note_unknown(now, event.size)
+            self._traffic.note_unknown(now, event.size, peer.robot)
             return
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + TUNING.same_sample

@@ -14,8 +14,10 @@ from proxy.core.transit.outbound import Outbound
 from proxy.core.transit.tuning import TUNING as TRANSIT
 from proxy.core.view.tuning import TUNING
 
-Entry = tuple[float, tuple[int, int]]
-"""When a sample was sent [s], and what it counts as: bytes and copies."""
+Amount = tuple[int, int]
+"""The size of a sample [B], and in how many copies it goes on the air."""
+Entry = tuple[float, Amount, str]
+"""When something was sent [s], how much, and by which robot."""
 
 
 class PendingNews:

@@ -3,28 +3,24 @@
 from collections import deque
 
 from proxy.core.model.limits import Limit
+from proxy.core.view.peer import Entry
 from proxy.core.view.stream import Sent, Stream
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.tuning import TUNING
-
-Amount = tuple[int, int]
-"""The size of a sample [B], and in how many copies it goes on the air."""
-Entry = tuple[float, Amount]
-"""When something was sent [s], and how much."""
 
 
 class TrafficLog:
     """Our own totals, copies counted, and the sends of others that limits still count."""
 
     def __init__(self, robot: str, subscribers: Subscribers) -> None:
-        self._robot = robot
+        self.robot = robot
         self._subscribers = subscribers
         self.messages = 0
         self.bytes = 0
         self.largest = 0
         """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[Entry] = deque(maxlen=TUNING.sends)
-        """When and how much other robots sent lately."""
+        """What other robots sent lately."""
         self.revision = 0
         """How often `sends` changed."""
         self.noted, self.retracted = 0, 0
@@ -40,21 +36,21 @@ class TrafficLog:
         noted = stream.note_sent(count, sent)
         stream.reach(self._subscribers.of(stream))
         copies = self._subscribers.copies(stream)
-        if stream.robot == self._robot:
+        if stream.robot == self.robot:
             self.largest = max(self.largest, copies * sent.size)
         else:
             self.revision += 1
             self.noted += len(noted)
-            self.sends.extend([(each.t_sent, (sent.size, copies)) for each in noted])
+            self.sends.extend([(each.t_sent, (sent.size, copies), stream.robot) for each in noted])
 
     def pass_samples(self, messages: int, size: int, largest: int) -> None:
         """Samples of ours were sent as they came: so many messages and bytes, copies counted, of at most `largest`."""
         self.count(messages, size)
         self.largest = max(self.largest, largest)
 
-    def note_unknown(self, at: float, size: int) -> Entry:
-        """Something was sent of a stream that we know nothing of, in one copy; return its entry."""
-        entry = at, (size, 1)
+    def note_unknown(self, at: float, size: int, robot: str) -> Entry:
+        """A robot sent something of a stream that we know nothing of, in one copy; return its entry."""
+        entry = at, (size, 1), robot
         self.revision += 1
         self.noted += 1
         self.sends.append(entry)
@@ -68,13 +64,13 @@ class TrafficLog:
             self.retracted += 1
 
     def sent_since(self, since: float) -> list[Entry]:
-        """When and how much other robots sent."""
+        """What other robots sent since then."""
         return [each for each in self.sends if each[0] >= since]
 
     def used(self, now: float, limit: Limit) -> float:
         """Return what other robots use of a limit in the window that ends now, as far as we know."""
         since, use = now - limit.window, limit.measure.use
-        return sum(use(*amount, own=False) for at, amount in self.sends if at >= since)
+        return sum(use(*amount, own=False) for at, amount, _ in self.sends if at >= since)
 
     def announced(self) -> None:
         """A digest of ours tells what we sent so far."""

@@ -45,7 +45,9 @@ SPREAD = 1.2
 LOADS = (1.2, 40.0)
 """What is offered, in limits: below all fits, far above no robot has anything."""
 SHOWN = 25
-"""The page shows so many, the worst first."""
+"""The page shows so many, the worst first..."""
+SHOWN_OVER = 10
+"""... and so many of those that exceeded the limit most often."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,22 +144,13 @@ def line(found: Reached) -> str:
 
 
 def tables(found: Sequence[Reached], seconds: float) -> list[Table]:
-    """Return how much was reached, and the worst."""
+    """Return how much was reached, the worst, and where most windows were over the limit."""
     parts = np.array([each.part for each in found])
     shares = [f"{np.quantile(parts, quantile):.1%}" for quantile in (0.0, 0.05, 0.1, 0.25, 0.5)]
     over = np.mean([each.over for each in found])
     note = f"{len(found)} workloads, flights of {seconds:g} s; without loss."
     worst = sorted(found, key=lambda each: each.part)[:SHOWN]
-    rows = tuple(
-        (
-            each.drawn.label,
-            f"{each.part:.1%}",
-            f"{each.over:.1%}",
-            f"{each.worst:.2f}",
-            *(f"{f:.0%}" for f in each.fills),
-        )
-        for each in worst
-    )
+    fullest = sorted([each for each in found if each.over > 0.0], key=lambda each: -each.over)[:SHOWN_OVER]
     columns = ("workload", "of central", "windows over", "fullest", "fill", "fill of central")
     return [
         Table(
@@ -166,8 +159,22 @@ def tables(found: Sequence[Reached], seconds: float) -> list[Table]:
             ((*shares, f"{over:.1%}"),),
             note,
         ),
-        Table("The worst", columns, rows, "Sizes in limits; fill: bytes sent of what limit or offer allow."),
+        Table("The worst", columns, _rows(worst), "Sizes in limits; fill: bytes sent of what limit or offer allow."),
+        Table("Most windows over the limit", columns, _rows(fullest)),
     ]
+
+
+def _rows(found: Sequence[Reached]) -> tuple[tuple[str, ...], ...]:
+    return tuple(
+        (
+            each.drawn.label,
+            f"{each.part:.1%}",
+            f"{each.over:.1%}",
+            f"{each.worst:.2f}",
+            *(f"{f:.0%}" for f in each.fills),
+        )
+        for each in found
+    )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

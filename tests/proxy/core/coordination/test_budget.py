@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from proxy.core.coordination.budget import grew
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
+from proxy.core.market.room import Room
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
 from proxy.core.view.stream import Generated
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, ENERGY, heard
@@ -51,7 +52,7 @@ def test_room_opens_later_when_more_was_sent_meanwhile(make_budget):
     assert budget.opens(1.3, (400.0,)) == pytest.approx(2.2, abs=1e-5)
     heard(view, 1.4, 900)
     assert budget.opens(1.4, (400.0,)) == math.inf
-    assert budget.opens(1.4, (400.0,), anybodys=True) == pytest.approx(2.4, abs=1e-5)
+    assert budget.opens(1.4, (400.0,), Room.ANYBODYS) == pytest.approx(2.4, abs=1e-5)
 
 
 def test_a_sample_waits_for_a_part_that_grows(make_budget):

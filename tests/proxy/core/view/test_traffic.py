@@ -15,7 +15,7 @@ def test_only_what_others_sent_is_looked_back_on(view):
     for at, size in ((1.0, 300), (2.0, 200)):
         sent(view, "r1", at, size)
     sent(view, "r2", 2.5)
-    assert view.traffic.sent_since(0.0) == [(2.5, (100, 1))]
+    assert view.traffic.sent_since(0.0) == [(2.5, (100, 1), "r2")]
     assert view.traffic.largest == 300
     view.traffic.announced()
     assert view.traffic.largest == 0
@@ -23,8 +23,8 @@ def test_only_what_others_sent_is_looked_back_on(view):
 
 def test_what_was_sent_of_an_unknown_stream_is_taken_back_once(view):
     """When it is known of which stream it was."""
-    entry, traffic = view.traffic.note_unknown(1.0, 50), view.traffic
-    assert traffic.sent_since(1.0) == [entry] == [(1.0, (50, 1))]
+    entry, traffic = view.traffic.note_unknown(1.0, 50, "r2"), view.traffic
+    assert traffic.sent_since(1.0) == [entry] == [(1.0, (50, 1), "r2")]
     traffic.retract(entry)
     revision = traffic.revision
     traffic.retract(entry)
@@ -34,9 +34,9 @@ def test_what_was_sent_of_an_unknown_stream_is_taken_back_once(view):
 def test_what_no_window_counts_is_forgotten(view):
     """Some time after the window: who waited for their room may still send."""
     for at in (1.0, 2.0, 4.0):
-        view.traffic.note_unknown(at, 50)
+        view.traffic.note_unknown(at, 50, "r2")
     view.traffic.sweep(5.0, 2.0)
-    assert [at for at, _ in view.traffic.sends] == [2.0, 4.0]
+    assert [at for at, *_ in view.traffic.sends] == [2.0, 4.0]
     revision = view.traffic.revision
     view.traffic.sweep(5.0, 2.0)
     assert view.traffic.revision == revision

@@ -35,3 +35,9 @@ def test_the_worst_are_shown_first():
     (summary,), worst = drawn.tables(found, 30.0)[0].rows, drawn.tables(found, 30.0)[1].rows
     assert summary[0] == "11.0%"
     assert [row[1] for row in worst] == [f"{seed}.0%" for seed in range(11, 11 + drawn.SHOWN)]
+
+
+def test_those_that_exceeded_the_limit_most_often_are_shown_too():
+    """The most first, and none that never did."""
+    found = [drawn.Reached(drawn.drawn_by(seed), 0.9, seed / 100, 1.1, (0.5, 0.9)) for seed in (0, 10, 30, 20)]
+    assert [row[2] for row in drawn.tables(found, 30.0)[2].rows] == ["30.0%", "20.0%", "10.0%"]
