@@ -74,9 +74,14 @@ def test_who_says_nothing_takes_nothing(play, stack, rate, together):
     wait_until(lambda: all(numbers.last >= last for numbers in scene.remote), what="the small samples meanwhile")
     for numbers in scene.remote:
         lost = set(range(first, last)) - set(numbers.heard)
-        assert not lost, f"{len(lost)} small samples did not come: {sorted(lost)[:20]}"
+        assert not lost, f"{len(lost)} small samples did not come: {sorted(lost)[:20]}; {reasons(scene)}"
     scene.meet()
     scene.finish()
+
+
+def reasons(scene):
+    """Return what each daemon says became of samples, and why."""
+    return {name: robot.status()["counts"]["by_reason"] for name, robot in scene.robots.items()}
 
 
 def crossing(scene, frames):
