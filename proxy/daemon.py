@@ -136,13 +136,13 @@ class Daemon:
         """Put specs in force, on the loop's thread."""
         self._live.swap(specs)
         self._bridge.renew()
-        self._loop.handle(SpecsChanged(clock.monotonic(), specs))
+        self._loop.feed.handle(SpecsChanged(clock.monotonic(), specs))
 
     def _switch(self, mode: Mode) -> None:
         """Put a mode in force, on the loop's thread."""
         self._live.switch(mode)
         self._bridge.renew()
-        self._loop.handle(ModeChanged(clock.monotonic(), mode))
+        self._loop.feed.handle(ModeChanged(clock.monotonic(), mode))
 
     def _ordered(self, mode: Mode) -> None:
         """Somebody has us switch; a mode that changes with the configuration is logged with all that changes there."""
@@ -170,7 +170,7 @@ class Daemon:
         self._neighbours = neighbours = Neighbours(sides.app, self.robot, str(sides.mesh.zid()), sides.wake.set)
         opening.callback(neighbours.close)
         hold_back = HoldBack(self._loop.core.view.origins.tag_of)
-        wanted, live = loop.preparation.wanted, self._live
+        wanted, live = loop.feed.preparation.wanted, self._live
         link = CoreLink(extractor.submit, loop.post, loop.note, lambda keys: wanted(keys, live.runtime.specs))
         self._bridge = bridge = Bridge(config, sides, self._live, neighbours=neighbours, hold_back=hold_back, core=link)
         presence = self._make_presence(sides, hold_back)

@@ -65,7 +65,7 @@ class DaemonStatus:
             "app": list(self.config.app.listen),
             "mesh": list(self.config.mesh.listens),
             "waiting": self.loop.waiting,
-            "faults": self.loop.faults,
+            "faults": self.loop.feed.faults,
             "refused": self.loop.refused,
             "floods": self.presence.floods.describe(clock.monotonic()),
             "looks": self.lookout.looks,

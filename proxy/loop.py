@@ -5,87 +5,45 @@ thread for it would take longer. Who has extracted features from it sees to it w
 Meanwhile he holds the *lease* of the core, which this thread has whenever it works.
 """
 
-import itertools
-import logging
 import math
 import threading
-from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
-from enum import Enum, auto
-from heapq import heappop, heappush
 from queue import Empty, SimpleQueue
 from typing import TypeVar
 
 from proxy import clock
+from proxy.agenda import Agenda, Item, Nothing
 from proxy.core.core import Core
 from proxy.core.interface.commands import Command
-from proxy.core.interface.events import ClockChanged, Event, TimePassed
-from proxy.core.interface.taker import Taker
-from proxy.preparing import Preparation
+from proxy.core.interface.events import Event, TimePassed
+from proxy.feed import Feed
 from proxy.tuning import TUNING
-
-log = logging.getLogger(__name__)
-
 
 T = TypeVar("T")
 
 
-Item = Event | Callable[[], Event | None]
-"""An event, or a job for the loop's thread that may make one."""
-
-
-_Timed = tuple[float, int, Item]
-"""When an item is due, a number that keeps those due at once in order, and the item."""
-
-
-class _Rest(Enum):
-    """What the loop's thread does when nothing is to be done."""
-
-    WAIT = auto()
-    END = auto()
-
-
 class Loop:
-    """Feeds the core. `execute` carries out each command, for one thread at a time: it must not block.
-
-    While it is synchronised the wall clock is wrong by `clock_error` at most [s]; 0.0: that is not known.
-    """
+    """Feeds the core. `execute` and `clock_error` are as in `Feed`."""
 
     def __init__(self, core: Core, execute: Callable[[Command], None], clock_error: float = 0.0) -> None:
         self.core = core
-        self.faults = 0
-        """Events that the core could not digest."""
+        self.feed = Feed(core, execute, clock_error)
+        """Only for the thread that uses the core."""
         self.refused = 0
         """Items that were offered while too many waited."""
-        self._execute = execute
-        self._taker: Taker = core
         self._lease = threading.Lock()
         """Held by the thread that uses the core, which is the `_user`."""
         self._user = 0
-        self._items: deque[Item | _Timed | None] = deque()
+        self._agenda = Agenda()
         self._bell: SimpleQueue[None] = SimpleQueue()
         self._ended = False
         self._awake = True
         """Whether the loop's thread will look at what waits before it sleeps."""
         self._wake_at = self._until = -math.inf
         """When time must pass next, and until when the loop's thread sleeps [s]."""
-        self._orders: deque[Callable[[], None]] = deque()
-        """What is done before all that waits."""
-        self._noted: deque[Item] = deque()
-        """What the core only notes."""
-        self._collect_at = -math.inf
-        """When it is looked whether there is more of it, as there was some lately [s]: to be woken costs more."""
-        self._core_notes = False
-        """Whether there is nothing for which it needs to know of such events at once."""
-        self._following: deque[Item] = deque()
-        """What follows from what is done now."""
-        self._timed: list[_Timed] = []
-        self._numbers = itertools.count()
         self._refusing = threading.Lock()
-        self._wall = clock.WallWatch(core.view.clocks.offset, clock_error)
-        self.preparation = Preparation()
         self._thread = threading.Thread(target=self._run, name="loop", daemon=True)
 
     def start(self) -> None:
@@ -103,13 +61,13 @@ class Loop:
         What is posted on the loop's own thread, such as that a sample was handed over, follows what is done there now.
         """
         if threading.get_ident() == self._user:
-            self._following.append(item)
+            self._agenda.following.append(item)
         else:
             self._put(item)
 
     def offer(self, item: Item) -> bool:
         """Let the core know, if not too many items wait: for what others cause, and say again. From any thread."""
-        if len(self._items) >= TUNING.items:
+        if self._agenda.full:
             with self._refusing:
                 self.refused += 1
             return False
@@ -121,7 +79,7 @@ class Loop:
 
         Behind them the status of a daemon with far more samples than it can decide on came seconds late.
         """
-        self._orders.append(job)
+        self._agenda.orders.append(job)
         self._ring()
 
     def note(self, item: Item) -> None:
@@ -130,21 +88,26 @@ class Loop:
         That is in `TUNING.noted` at the latest, or when so much has come: the loop did not wake for each of 200 samples
         a second that came. From any thread.
         """
-        if not self._core_notes or len(self._noted) >= TUNING.items:
+        noted = self._agenda.noted
+        if not self.feed.notes or len(noted) >= TUNING.items:
             self.offer(item)
             return
-        self._noted.append(item)
+        noted.append(item)
         late = self._until > clock.monotonic() + TUNING.noted
-        if late or len(self._noted) >= TUNING.noted_at_once or not self._core_notes:
+        if late or len(noted) >= TUNING.noted_at_once or not self.feed.notes:
             self._ring()
 
     def post_at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, in the order of these times."""
-        self._put(item if when <= clock.monotonic() else (when, next(self._numbers), item))
+        if when <= clock.monotonic():
+            self._agenda.put(item)
+        else:
+            self._agenda.put_at(when, item)
+        self._ring()
 
     def at(self, when: float, item: Item) -> None:
         """Let the core know at `when` [s, our clock] or soon after, before what waits. On the loop's thread only."""
-        heappush(self._timed, (when, next(self._numbers), item))
+        self._agenda.at(when, item)
 
     def ask(self, job: Callable[[], T], timeout: float) -> T:
         """Do `job` on the loop's thread, from any other one, before all samples that wait; return what it returns.
@@ -162,12 +125,7 @@ class Loop:
     @property
     def waiting(self) -> int:
         """Items that wait for the core."""
-        return len(self._items) + len(self._timed) + len(self._following) + len(self._noted)
-
-    def handle(self, event: Event) -> None:
-        """Take in `event` and carry out what follows. On the loop's thread only."""
-        for command in self._taker.handle(event):
-            self._execute(command)
+        return len(self._agenda)
 
     def lead(self, event: Event) -> bool:
         """Have the core take in a sample on this thread, if it only has to be sent on; return whether it did.
@@ -175,23 +133,24 @@ class Loop:
         Not while anything else waits for the core, or another thread uses it: samples go in the order in which they
         came. From any thread; never blocks.
         """
+        agenda = self._agenda
         if not self._lease.acquire(blocking=False):
             return False
         try:
-            if self._ended or self._waits(event.now) or (commands := self._taker.pass_on(event)) is None:
+            if self._ended or agenda.waits(event.now):
                 return False
             self._user = threading.get_ident()
-            for command in commands:
-                self._execute(command)
-            while self._following and self._passes(self._following[0]):
-                self._following.popleft()
+            if not self.feed.pass_on(event):
+                return False
+            while agenda.following and self.feed.passes(agenda.following[0]):
+                agenda.following.popleft()
             self._wake_at = self.core.wake_at(event.now)
         except Exception as error:  # noqa: BLE001 - whatever fails in there
-            self._fail(event, error)
+            self.feed.fail(event, error)
         finally:
             self._user = 0
             self._lease.release()
-        if self._following or self._wake_at < self._until:
+        if agenda.following or self._wake_at < self._until:
             self._ring()
         return True
 
@@ -201,18 +160,19 @@ class Loop:
         What the core only notes comes before it. For who has time: a search may follow. From any thread but the loop's;
         never blocks.
         """
+        agenda = self._agenda
         if not self._lease.acquire(blocking=False):
             return False
         try:
-            if self._ended or self._waits(clock.monotonic(), noted=False):
+            if self._ended or agenda.waits(clock.monotonic(), noted=False):
                 return False
             self._user = threading.get_ident()
-            for noted in [self._noted.popleft() for _ in range(len(self._noted))]:
-                self._digest(noted)
-            self._following.append(item)
-            while self._following and not (self._items or self._orders):
-                self._wake_at = self._digest(self._following.popleft())
-            due = bool(self._following) or self._due_sooner() or bool(self._noted and not self._core_notes)
+            for noted in [agenda.noted.popleft() for _ in range(len(agenda.noted))]:
+                self.feed.digest(noted)
+            agenda.following.append(item)
+            while agenda.following and not agenda.urgent():
+                self._wake_at = self.feed.digest(agenda.following.popleft())
+            due = bool(agenda.following) or self._due_sooner() or bool(agenda.noted and not self.feed.notes)
         finally:
             self._user = 0
             self._lease.release()
@@ -222,24 +182,10 @@ class Loop:
 
     def _due_sooner(self) -> bool:
         """Whether something is due before the loop's thread wakes."""
-        return self._wake_at < self._until or bool(self._timed and self._timed[0][0] < self._until)
+        return min(self._wake_at, self._agenda.due()) < self._until
 
-    def _waits(self, now: float, *, noted: bool = True) -> bool:
-        """Whether anything is to be done before a sample that came now; `noted`: what the core only notes is, too."""
-        if self._items or self._orders or self._following or (noted and self._noted):
-            return True
-        return bool(self._timed) and self._timed[0][0] <= now
-
-    def _passes(self, item: object) -> bool:
-        """Have the core take in what follows, if that asks for nothing else; whether it did."""
-        return isinstance(item, Event) and self._taker.pass_on(item) == []
-
-    def record(self, taker: Taker | None) -> None:
-        """Have `taker` hand events to the core from now on; None: nobody, they go to it. On the loop's thread only."""
-        self._taker = self.core if taker is None else taker
-
-    def _put(self, item: Item | _Timed | None) -> None:
-        self._items.append(item)
+    def _put(self, item: Item | None) -> None:
+        self._agenda.put(item)
         self._ring()
 
     def _ring(self) -> None:
@@ -252,7 +198,7 @@ class Loop:
         self._wake_at = clock.monotonic()
         while self._work():
             self._awake = False
-            if not (self._items or self._orders or self._following or self._noted or self._due_sooner()):
+            if not (self._agenda.waits(-math.inf) or self._due_sooner()):
                 with suppress(Empty):
                     self._bell.get(timeout=max(self._until - clock.monotonic(), 0.0))
             self._awake = True
@@ -261,55 +207,19 @@ class Loop:
         """Do all that is to be done; return whether there will be more."""
         with self._lease:
             self._user = threading.get_ident()
-            while not isinstance(item := self._next(), _Rest):
-                self._wake_at = self._digest(item)
+            while not isinstance(item := self._next(), Nothing):
+                self._wake_at = self.feed.digest(item)
             self._user = 0
-            self._ended = item is _Rest.END
+            self._ended = item is Nothing.EVER
             return not self._ended
 
-    def _next(self) -> Item | _Rest:
-        while True:
-            if self._orders:
-                return self._orders.popleft()
-            now = clock.monotonic()
-            if self._timed and self._timed[0][0] <= now:
-                return heappop(self._timed)[2]
-            waiting = self._following or self._noted or self._items
-            if not waiting:
-                return self._rest(now)
-            if waiting is self._noted:
-                self._collect_at = now + TUNING.noted
-            item = waiting.popleft()
-            if not isinstance(item, tuple):
-                return _Rest.END if item is None else item
-            heappush(self._timed, item)
-
-    def _rest(self, now: float) -> Item | _Rest:
-        """Time passes, or nothing is to be done until it does."""
+    def _next(self) -> Item | Nothing:
+        """Return what is to be done now: also that time passes, if nothing else is."""
+        now = clock.monotonic()
+        item = self._agenda.take(now)
+        if item is not Nothing.YET:
+            return item
         if self._wake_at <= now:
             return TimePassed(now)
-        self._until = min(self._wake_at, self._timed[0][0]) if self._timed else self._wake_at
-        if self._collect_at > now:
-            self._until = min(self._until, self._collect_at)
-        return _Rest.WAIT
-
-    def _digest(self, item: Item) -> float:
-        """Handle one item; return when time must pass next."""
-        try:
-            event = item() if callable(item) else item
-            if event is not None:
-                self.handle(event)
-            self.preparation.follow(self.core)
-            now = clock.monotonic()
-            wall = self._wall.look(now)
-            if wall is not None:
-                self.handle(ClockChanged(now, wall.offset, wall.error))
-            self._core_notes = self.core.notes
-            return self.core.wake_at(now)
-        except Exception as error:  # noqa: BLE001 - whatever fails in there
-            self._fail(item, error)
-            return clock.monotonic() + 0.1
-
-    def _fail(self, item: Item, error: Exception) -> None:
-        self.faults += 1
-        log.error("the core cannot handle %s", type(item).__name__, exc_info=error)
+        self._until = min(self._wake_at, self._agenda.sleeps_until(now))
+        return item

@@ -29,6 +29,8 @@ class DaemonTuning:
     digest, which took a third of its processor time."""
     noted_at_once: int = 64
     """So many such items it learns at once: together they take some milliseconds."""
+    after_fault: float = 0.1
+    """After an event that the core could not handle time passes so much later [s]."""
     uptake_interval: float = 0.002
     """The core takes up samples of one Markovian stream at least this far apart [s]."""
     uptakes_ahead: float = 0.004

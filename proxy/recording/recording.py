@@ -79,7 +79,7 @@ class Recording:
         core = self._loop.core
         self._recorder = recorder = Recorder(core, output, partial(taken, core), payload=contents)
         recorder.start()
-        self._loop.record(recorder)
+        self._loop.feed.record(recorder)
         self._thresholds = gc.get_threshold()
         gc.set_threshold(TUNING.young, *self._thresholds[1:])
         self._on = True
@@ -88,7 +88,7 @@ class Recording:
         """Record no longer: what was seen is still written, soon. Raises RecordingError when it does not record."""
         if not self._on:
             raise RecordingError("it does not record")
-        self._loop.record(None)
+        self._loop.feed.record(None)
         self._recorder.stop()
         gc.set_threshold(*self._thresholds)
         self._on = False

@@ -95,7 +95,7 @@ def test_what_cannot_be_handled_is_counted_and_the_loop_goes_on(loop, executed, 
     loop.post(broken)
     loop.post(PeerAppeared(clock.monotonic(), "r2", "z2"))
     wait_until(lambda: texts(executed), what="the event after it")
-    assert loop.faults == 1
+    assert loop.feed.faults == 1
     assert "broken" in caplog.text
 
 
@@ -185,7 +185,7 @@ def test_what_is_noted_comes_with_what_happens_next(executed):
         def pass_on(self, _event):
             return None
 
-    loop.record(Taker())
+    loop.feed.record(Taker())
     loop.start()
     try:
         for _ in range(2):  # after the first one the loop has looked what the core only notes
@@ -263,7 +263,7 @@ def led(passing):
             loop.post(SampleHanded(clock.monotonic(), -command.sample))
 
     loop = Loop(passing.core, execute)
-    loop.record(passing)
+    loop.feed.record(passing)
     loop.start()
     yield loop
     passing.held.set()
@@ -308,7 +308,7 @@ def test_a_core_that_chokes_on_a_sample_is_counted(led, passing, monkeypatch, ca
     """Whoever brought it goes on, and so does the loop."""
     monkeypatch.setattr(passing, "pass_on", lambda _: [None])
     wait_until(lambda: led.lead(sample(1)), what="the lease of the core")
-    assert led.faults == 1
+    assert led.feed.faults == 1
     assert "the core cannot handle SamplePublished" in caplog.text
     led.ask(lambda: None, 20.0)
 

@@ -87,12 +87,12 @@ def test_the_core_hears_of_each_decision_once(drive, monkeypatch):
     """When its deadline comes the core need not hear again of an answer that it has from another thread."""
     monkeypatch.setattr("proxy.planning.TUNING", replace(TUNING, decided_at_once=-1.0))
     driven = drive('"sum"', 0.5)
-    handled, handle = [], driven.loop.handle
-    monkeypatch.setattr(driven.loop, "handle", lambda event: handled.append(event) or handle(event))
+    handled, handle = [], driven.loop.feed.handle
+    monkeypatch.setattr(driven.loop.feed, "handle", lambda event: handled.append(event) or handle(event))
     for _ in range(3):
         driven.publish()
     wait_until(lambda: len(driven.done) == 3, what="three decisions")
-    wait_until(lambda: not driven.loop._timed, what="the end of their deadlines")
+    wait_until(lambda: not driven.loop.waiting, what="the end of their deadlines")
     answers = [event.ticket for event in handled if isinstance(event, ev.DecisionReady | ev.DecisionLate)]
     assert len(answers) == len(set(answers)) == 3
 
@@ -105,7 +105,7 @@ def test_a_search_needs_no_other_thread(drive, monkeypatch):
         driven.publish()
     wait_until(lambda: len(driven.done) == 3, what="three decisions")
     assert driven.decisions()["made"] == 3
-    assert not driven.loop._timed
+    assert not driven.loop.waiting
 
 
 def test_a_search_that_lasts_goes_on_beside_the_loop(drive, monkeypatch):
@@ -168,8 +168,8 @@ def test_what_others_should_send_keeps_no_sample_waiting(drive, monkeypatch):
     Slow.may.clear()
     driven.publish()
     wait_until(lambda: driven.planning.stuck(clock.monotonic() + 60.0), what="the search to begin")
-    handled, handle = [], driven.loop.handle
-    monkeypatch.setattr(driven.loop, "handle", lambda event: handled.append(event) or handle(event))
+    handled, handle = [], driven.loop.feed.handle
+    monkeypatch.setattr(driven.loop.feed, "handle", lambda event: handled.append(event) or handle(event))
     ahead = Decide(99, window(1), 1, 10, clock.monotonic(), ahead=True)
     driven.loop.ask(lambda: driven.planning.decide(ahead), 10.0)
     wait_until(

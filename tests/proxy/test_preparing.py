@@ -133,7 +133,7 @@ def test_it_is_there_before_the_first_sample_where_another_robot_wants_what_a_sp
     """A robot that is there is no reason to, nor is one that wants something else."""
     loop.post(PeerAppeared(clock.monotonic(), "op", "z-op"))
     for wanted in ((), ("other/**",), ("covered/a/*",)):
-        assert loop.ask(lambda: loop.preparation.begun, 10.0) is False
+        assert loop.ask(lambda: loop.feed.preparation.begun, 10.0) is False
         assert MODULE not in sys.modules
         loop.post(StateHeard(clock.monotonic(), State("op", "z-op", "enforce", "", (), wanted)))
     wait_until(lambda: MODULE in sys.modules)
@@ -145,13 +145,13 @@ def test_it_is_there_as_soon_as_zenoh_says_that_somebody_wants_what_a_spec_cover
     unlimited = specs.with_name("unlimited.toml")
     unlimited.write_text(SPECS[SPECS.index("[[information_type]]") :])
     for wanted, these in ((("other/**",), specs), (("covered/*",), unlimited)):
-        loop.preparation.wanted(wanted, load_specs(these))
-        assert not loop.preparation.begun
-    loop.preparation.wanted(("covered/*",), load_specs(specs))
+        loop.feed.preparation.wanted(wanted, load_specs(these))
+        assert not loop.feed.preparation.begun
+    loop.feed.preparation.wanted(("covered/*",), load_specs(specs))
     wait_until(lambda: MODULE in sys.modules)
 
 
 def test_of_very_many_wanted_keys_none_is_looked_for(loop, specs):
     """To look through them for each that comes would take longer than to load."""
-    loop.preparation.wanted([f"other/{number}" for number in range(MANY + 1)], load_specs(specs))
+    loop.feed.preparation.wanted([f"other/{number}" for number in range(MANY + 1)], load_specs(specs))
     wait_until(lambda: MODULE in sys.modules)
