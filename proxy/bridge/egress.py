@@ -22,11 +22,9 @@ from proxy.bridge.passed import EGRESS, FULL, Passed
 from proxy.bridge.room import Rooms
 from proxy.bridge.sample import Held
 from proxy.bridge.send_buffers import SendBuffers
+from proxy.bridge.sender import Answer, Sender
 from proxy.bridge.tuning import TUNING
 from proxy.bridge.writer import Writer
-from proxy.core.interface.events import CopyHanded, CopyRefused, SampleHanded, SampleRefused
-
-Answer = SampleHanded | SampleRefused | CopyHanded | CopyRefused
 
 
 class Egress:
@@ -50,9 +48,7 @@ class Egress:
         self._rooms = rooms
         self.buffers = SendBuffers(session)
         self.writer = Writer(session, demand, self.buffers)
-        self._demand = demand
         self._passed = passed
-        self._post = post
         self._decided = Paced(rate)
         self._passing: deque[Item] = deque()
         self._deciding_keys, self._passing_keys = Counter[str](), Counter[str]()
@@ -71,6 +67,7 @@ class Egress:
         """... or a decided one."""
         self._running = False
         self._lock = lock = threading.RLock()  # taken itself for every sample: a condition's methods are Python
+        self._sender = Sender(self.writer, demand, passed, post, covered=rooms.covered, pace=self._decided, lock=lock)
         self._wake, self._caught_up = threading.Condition(lock), threading.Condition(lock)
         self._thread = threading.Thread(target=self._run, name="egress", daemon=True)
 
@@ -92,15 +89,14 @@ class Egress:
     def forward(self, number: int, held: Held) -> None:
         """Send a decided sample as soon as the pace allows, by one thread at a time. It has its place since it came."""
         if self._goes_at_once(held):
-            self._send_decided(number, held)
+            self._sent_at = self._sender.send_decided(number, held)
         elif not self._enqueue(number, held, passes=not held.to and held.key in self._passing_keys):
-            self._leave(held)
-            self._answer(clock.monotonic(), number, held, sent=False)
+            self._sender.refuse(number, held)
 
     def pass_on(self, reason: str, held: Held) -> None:
         """Send a sample at once, counted under `reason`."""
         if self._passes_at_once(held):
-            self._send_passing(reason, held)
+            self._sender.send_passing(reason, held)
             return
         room = self._rooms.passing
         behind = len(self._passing)
@@ -109,7 +105,7 @@ class Egress:
             if room.crowded and held.waits:
                 self._slow_down()
             if self._passes_at_once(held):
-                self._send_passing(reason, held)
+                self._sender.send_passing(reason, held)
                 return
         if not room.enter(held.size):
             self._passed.add(FULL, 0)
@@ -128,7 +124,7 @@ class Egress:
         """Whether a decided sample need wait for nothing: neither for its pace, nor for others, nor for a link."""
         with self._lock:
             ready = self._running and self._open and not self._deciding
-            ready = ready and self._decided.free(clock.monotonic(), self._on_air(held))
+            ready = ready and self._decided.free(clock.monotonic(), self._sender.on_air(held))
             ready = ready and (bool(held.to) or held.key not in self._passing_keys)
         return ready and self.writer.calm and self.buffers.takes(held.size)
 
@@ -188,7 +184,7 @@ class Egress:
             if passes:
                 self._passing.append((number, held))
             else:
-                self._decided.put(number, held, self._on_air(held))
+                self._decided.put(number, held, self._sender.on_air(held))
             if not held.to:
                 (self._passing_keys if passes else self._deciding_keys)[held.key] += 1
             if not self._busy:
@@ -228,9 +224,9 @@ class Egress:
         """Send what waited, one of the keys `waiting`."""
         if isinstance(number, str):
             self._rooms.passing.leave(held.size)
-            self._send_passing(number, held, droppable=self._wait(held))
+            self._sender.send_passing(number, held, droppable=self._wait(held))
         else:
-            self._send_decided(number, held, droppable=self._wait(held))
+            self._sent_at = self._sender.send_decided(number, held, droppable=self._wait(held))
         if not held.to:
             with self._lock:
                 waiting[held.key] -= 1
@@ -253,37 +249,3 @@ class Egress:
         """Wait until links take a sample; whether it may be dropped on those that have no room for it."""
         self._in_hand = held.size
         return self.writer.wait(held)
-
-    def _send_decided(self, number: int, held: Held, *, droppable: bool = False) -> None:
-        self._leave(held)
-        sent = self.writer.write(held, droppable=droppable)
-        now = self._sent_at = clock.monotonic()
-        if sent:
-            with self._lock:
-                self._decided.sent(now, self._on_air(held))
-        self._answer(now, number, held, sent=sent)
-
-    def _on_air(self, held: Held) -> int:
-        """What a sample puts on the air, copies counted [B]."""
-        return held.size * (1 if held.to else self._demand.copies(held.key))
-
-    def _leave(self, held: Held) -> None:
-        """A decided sample waits no more. A copy has no place among them: the core bounds what is kept."""
-        if not held.to:
-            self._rooms.covered.leave(held.size)
-
-    def _answer(self, now: float, number: int, held: Held, *, sent: bool) -> None:
-        if held.to:
-            self._post(CopyHanded(now, number, held.to) if sent else CopyRefused(now, number, held.to))
-        else:
-            self._post(SampleHanded(now, number) if sent else SampleRefused(now, number))
-
-    def _send_passing(self, reason: str, held: Held, *, droppable: bool = False) -> None:
-        air = self._on_air(held)
-        if not self.writer.write(held, droppable=droppable):
-            self._passed.add(EGRESS, 0)
-            return
-        self._passed.add(reason, air)
-        if not self._decided.unpaced:
-            with self._lock:
-                self._decided.push_back(clock.monotonic(), air, TUNING.push_back)

@@ -22,6 +22,7 @@ _STAGES = {
     "proxy.planning": SEARCH,
     "proxy.worker": SEARCH,
     "proxy.bridge.egress": EGRESS,
+    "proxy.bridge.sender": EGRESS,
     "proxy.bridge.writer": EGRESS,
     "proxy.core.gossip": DIGESTS,
     "proxy.core.protocol": DIGESTS,

@@ -98,7 +98,11 @@ class Output:
         writer = self._writer
         self._number, self._now = number + 1, event.now
         if writer is None or self._missing:
-            self._skip(item)
+            self._specs = event.specs if isinstance(event, SpecsChanged) else self._specs
+            self._missing.event(number, event)
+            if payload is not None:
+                self._missing.payload()
+            self.written = self.written.lacking(1)
             return
         self._in_hand.event(number, event)
         if payload is not None or type(event) is SpecsChanged:
@@ -127,16 +131,6 @@ class Output:
         if writer.pending >= TUNING.chunk:
             self.flush()
         return True
-
-    def _skip(self, item: Taken) -> None:
-        """Count an event that cannot be written now."""
-        number, event, _, _, payload = item
-        if isinstance(event, SpecsChanged):
-            self._specs = event.specs
-        self._missing.event(number, event)
-        if payload is not None:
-            self._missing.payload()
-        self.written = self.written.lacking(1)
 
     def flush(self) -> None:
         """Bring to the file what is in hand, and say there what is missing; ask for a head where it is full."""
