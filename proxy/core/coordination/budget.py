@@ -125,7 +125,7 @@ class Budget:
         Or when our part grows that is too small for it, as a slot was passed on to us: ten robots with equal messages
         reached 82 to 93 % of a central decider in `split` where such a sample was dropped, and reach 83 to 95 now.
         """
-        if self._coordination.by_clock and (turn := _next_turn(self, self._coordination, now, use)) > -math.inf:
+        if self._coordination.equal.by_clock and (turn := _next_turn(self, self._coordination, now, use)) > -math.inf:
             return turn if self.lacking(now, use) else -math.inf
         longer = MARKET.closed
         if wanted is Room.IN_TURN and not self.alone:
@@ -181,9 +181,9 @@ class Budget:
         if part < 1.0 and amount > _confined(self, now, k, part):
             return False
         turn = NOT_NEEDED
-        if amount > whole or self._coordination.by_clock:
+        if amount > whole or self._coordination.equal.by_clock:
             turn = self._coordination.turn(now, k, limit, amount)
-        if self._coordination.by_clock and turn.began > -math.inf:
+        if self._coordination.equal.by_clock and turn.began > -math.inf:
             used = self.own.used(turn.began, k)
             return turn.began <= now and (used <= 0.0 or used + amount <= turn.slot * limit.limit)
         if amount <= whole and turn.began == -math.inf:

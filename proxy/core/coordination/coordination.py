@@ -23,11 +23,11 @@ Where an operator asked for `split` it is an equal part and no more. Fifty robot
 import math
 from collections.abc import Callable, Collection, Sequence
 
-from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW, ClockTurns, Turn
+from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW, Turn
 from proxy.core.coordination.demands import bid
+from proxy.core.coordination.equal_parts import EqualParts
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.meanwhile import Meanwhile
-from proxy.core.coordination.overbooking import Overbooking
 from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
@@ -52,10 +52,8 @@ class Coordination:
         self._kind: tuple[tuple[float, ...], int] = (), 0
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
-        self._overbooking = Overbooking()
-        self.by_clock = False
-        """Whether messages that are larger than an equal part go by turns that nobody agrees on."""
-        self._clock_turns = ClockTurns(now, ())
+        self.equal = EqualParts(now)
+        """What we have where nobody agrees on parts."""
         self.hollow = Hollow()
         """What others claim and nobody confirms."""
         self.keeps = 0.0
@@ -73,8 +71,8 @@ class Coordination:
         """What we do until then."""
 
     @property
-    def _overbooks(self) -> bool:
-        """Whether we may use more than our part of a window, as seldom all use theirs at one moment."""
+    def _all_equal(self) -> bool:
+        """Whether all have equal parts that nobody agrees on; we may use more than ours where not all use theirs."""
         return self._split is not None and self.team.quiet and not self.team.strict
 
     @property
@@ -85,7 +83,7 @@ class Coordination:
     @property
     def split_in_force(self) -> Split | None:
         """The parts that the team agrees on."""
-        return None if self._split is None or self.keeps or self._overbooks or not self.team.splits else self._split
+        return None if self._split is None or self.keeps or self._all_equal or not self.team.splits else self._split
 
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
@@ -99,8 +97,8 @@ class Coordination:
             return 1.0 - margin if self.team.rivals else 1.0
         if self.keeps or split is None:
             return self.keeps
-        if self._overbooks:
-            return self._overbooking.factor / self.team.sharing
+        if self._all_equal:
+            return self.equal.part(self.team)
         ours = split.own_part.of(now, k)
         if self.established:
             return ours
@@ -118,8 +116,8 @@ class Coordination:
         """
         if not limit.shared:
             return NOT_NEEDED
-        if self.by_clock:
-            return self._clock_turns.turn(now, k, amount / limit.limit)
+        if self.equal.by_clock:
+            return self.equal.turn(now, k, amount / limit.limit)
         alone = self.split_in_force is None or self.part(now, k) >= TUNING.whole_part
         return NOT_NEEDED if alone else NOT_NOW
 
@@ -133,8 +131,7 @@ class Coordination:
         """
         if self._split is None:
             return
-        if self.by_clock:
-            self._clock_turns.sent(now, uses)
+        self.equal.sent(now, uses)
         windows, least = 1.0, 1.0 / UNIT
         if max(uses, default=0.0) > least:  # not for each of hundreds of small samples a second
             windows = max([1.0, *(use / max(self.part(now, k), least) for k, use in enumerate(uses))])
@@ -167,7 +164,8 @@ class Coordination:
         if kind == self._kind:
             return
         version = 0 if self._split is None else self._split.agreement.bid[0] + 1
-        self._kind, self._split, self._clock_turns = kind, None, ClockTurns(now, windows)
+        self._kind, self._split = kind, None
+        self.equal.set_windows(now, windows)
         if windows:
             self._split = Split(
                 tag(self._settings.zid),
@@ -205,18 +203,16 @@ class Coordination:
             split = self.split_in_force
             asked = split is not None and split.agreement.rivals
             self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
-            if not self.team.votes_to_split:
-                self.hollow.advance(now, self._view, limits, splits=self.team.splits)
-            self.keeps = self.hollow.equal_part(self._view) if self.hollow.found(now) else 0.0
+            self.keeps = self.hollow.keeps(now, self._view, limits, self.team)
             self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
             self._view.audiences.take_alike(alike=self.team.agrees)
             self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
             if self._split is not None:
                 self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
-            self.by_clock = self._overbooks and (self.team.large or self.team.gave_up)
-            if self._overbooks:
-                self._clock_turns.look(self._view, limits, self.team.sharers)
-                self._overbooking.advance(now, using(now), self.team.sharing)
+            if self._all_equal:
+                self.equal.look(now, self._view, limits, self.team, using)
+            else:
+                self.equal.rest()
         if self.established or self._split is None:
             self.meanwhile.over()
         else:
@@ -280,7 +276,7 @@ class Coordination:
     def due_at(self, now: float) -> float:
         """When this changes by time alone [s]: where all plan for all, only what happens is looked at."""
         if (split := self.split_in_force) is None:
-            return self.looks_at if self._overbooks else math.inf
+            return self.looks_at if self._all_equal else math.inf
         return min(self.looks_at, split.due_at(now))
 
 

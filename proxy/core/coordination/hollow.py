@@ -16,6 +16,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.messages import tag
@@ -58,11 +59,13 @@ class Hollow:
         """Whether we keep to an equal part, for what others claim is hollow."""
         return now < self._until
 
-    def equal_part(self, view: SharedView) -> float:
-        """Return an equal part: however many sessions have a robot's name, they are one."""
-        return 1.0 / len({view.settings.robot, *(peer.name for peer in view.peers.values() if not peer.plain)})
+    def keeps(self, now: float, view: SharedView, limits: Sequence[Limit], team: Team) -> float:
+        """Look at what became of claims; return the part that we keep to, 0 where they are not hollow."""
+        if not team.votes_to_split:
+            self._advance(now, view, limits, splits=team.splits)
+        return _equal_part(view) if self.found(now) else 0.0
 
-    def advance(self, now: float, view: SharedView, limits: Sequence[Limit], *, splits: bool) -> None:
+    def _advance(self, now: float, view: SharedView, limits: Sequence[Limit], *, splits: bool) -> None:
         """Look at what became of claims since some windows ago, if it is time to; that the team `splits` is one."""
         shared = tuple(limit for limit in limits if limit.shared)
         if self.found(now) or not shared or not view.peers:
@@ -79,11 +82,16 @@ class Hollow:
         self._before = after
         if before is None or not _held_back(before, after) or not (splits or _claimed(before, after, now, view)):
             return
-        equal = self.equal_part(view)
+        equal = _equal_part(view)
         ours, every = _use(before, after, view, shared, TUNING.hollow_untold * equal)
         if ours < TUNING.hollow_own * equal and every < TUNING.hollow_use:
             self._until, self._before = now + self._rest, None
             self._rest = min(2.0 * self._rest, TUNING.longest_retry)
+
+
+def _equal_part(view: SharedView) -> float:
+    """Return an equal part: however many sessions have a robot's name, they are one."""
+    return 1.0 / len({view.settings.robot, *(peer.name for peer in view.peers.values() if not peer.plain)})
 
 
 def _account(now: float, view: SharedView) -> _Account:

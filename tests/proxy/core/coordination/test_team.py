@@ -236,7 +236,7 @@ def test_who_can_neither_agree_nor_announce_keeps_to_an_equal_part(make_specs, a
         team.look(announcing=announcing, using=1.0)
     assert team.coordination.team.gave_up is gives_up
     assert team.coordination.team.quiet is gives_up
-    assert team.coordination.by_clock is gives_up, "what is larger goes by turns"
+    assert team.coordination.equal.by_clock is gives_up, "what is larger goes by turns"
     if gives_up:
         assert team.coordination.split_in_force is None, "nothing is agreed on any more"
         assert team.coordination.part(team.now, 0) == pytest.approx(0.1, rel=0.1)
