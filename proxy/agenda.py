@@ -83,6 +83,7 @@ class Agenda:
             return True
         return self.due() <= now
 
+    @property
     def urgent(self) -> bool:
         """Whether anything waits that does not wait for its time: orders, or what came from elsewhere."""
         return bool(self._items or self.orders)

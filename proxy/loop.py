@@ -170,7 +170,7 @@ class Loop:
             for noted in [agenda.noted.popleft() for _ in range(len(agenda.noted))]:
                 self.feed.digest(noted)
             agenda.following.append(item)
-            while agenda.following and not agenda.urgent():
+            while agenda.following and not agenda.urgent:
                 self._wake_at = self.feed.digest(agenda.following.popleft())
             due = bool(agenda.following) or self._due_sooner() or bool(agenda.noted and not self.feed.notes)
         finally:
