@@ -23,3 +23,9 @@ def test_files_are_short():
     """A file that is longer is two things."""
     lines = {source: len(source.read_text().splitlines()) for source in SOURCES}
     assert {source: count for source, count in lines.items() if count > MOST_LINES} == {}
+
+
+def test_processes_are_new_ones():
+    """None is a fork: `studies/processes.py` says why."""
+    pools = [str(source.relative_to(HOUSE)) for source in SOURCES if "ProcessPoolExecutor(" in source.read_text()]
+    assert pools == ["studies/processes.py"]

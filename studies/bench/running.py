@@ -1,13 +1,13 @@
 """Flies many missions by many policies, in several processes, and shows how far it is."""
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from concurrent.futures import as_completed
 from pathlib import Path
 
 from studies.bench.errors import BenchError
 from studies.bench.flying import BUILT_IN, Score, check, fly
 from studies.bench.folder import load
+from studies.processes import processes
 from studies.progress_bar import flights
 
 
@@ -34,7 +34,7 @@ def _flown(tasks: Sequence[tuple[Path, str]], jobs: int) -> Iterator[tuple[tuple
         for task in tasks:
             yield task, _fly(*task)
         return
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    pool = processes(jobs)
     slow = list(BUILT_IN)[:2]
     try:
         futures = {pool.submit(_fly, *task): task for task in sorted(tasks, key=lambda task: task[1] not in slow)}

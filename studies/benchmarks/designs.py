@@ -1,7 +1,6 @@
 """Designs: what each design of the search loses, of the optima of missions and of those of windows."""
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -20,6 +19,7 @@ from studies.central import CentralDecider
 from studies.designs.catalogue import AS_IT_IS, BUDGET, catalogue
 from studies.designs.design import Decider, Design, worth
 from studies.oracle import optimum
+from studies.processes import processes
 from studies.workload import SCENARIOS, TWO_PER_HALF_SECOND, mission
 
 LIMITS = (TWO_PER_HALF_SECOND, Constraint("messages", 2.5, 5.0), Constraint("units", 0.5, 2.0))
@@ -126,7 +126,7 @@ def measure_designs(*, quick: bool) -> list[Table]:
 def _run(measure: Job, points: Sequence[Mission], *, quick: bool) -> list[list[Measured]]:
     if quick:
         return [measure(point) for point in points]
-    with ProcessPoolExecutor(WORKERS) as pool:
+    with processes(WORKERS) as pool:
         return list(pool.map(measure, points))
 
 

@@ -2,14 +2,13 @@
 
 import gc
 import os
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 
 import planner
 from planner import Problem, Search, SearchSettings
 from studies.benchmarks.report import Table
 from studies.benchmarks.resources import private_memory
 from studies.benchmarks.speed import Team
+from studies.processes import processes
 
 ITERATIONS = 10_000
 MEGABYTE = 1_000_000
@@ -50,7 +49,7 @@ def _searches() -> Table:
 
 def _in_a_process_of_its_own(settings: SearchSettings) -> tuple[str, ...]:
     """Measure a search where no memory was given back before that it could live in."""
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+    with processes(1) as pool:
         return pool.submit(_held, settings).result()
 
 

@@ -1,8 +1,6 @@
 """Missions flown by contenders at points of a grid, on all cores, as shares of the offline bound."""
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -20,6 +18,7 @@ from studies.central import Policy
 from studies.mixed_workload import BYTE_LIMITS, mixed_mission
 from studies.oracle import upper_bound
 from studies.policies import Contender, Planned, Receding
+from studies.processes import processes
 from studies.workload import SCENARIOS, TWO_PER_HALF_SECOND, mission
 
 LIMITS = (*(Constraint("messages", 2.5, float(limit)) for limit in (2, 5, 10, 16)), TWO_PER_HALF_SECOND)
@@ -138,7 +137,7 @@ def on_all_cores(job: Callable[[Place], Found], places: Sequence[Place], *, alon
     """Do a job for every place, in as many processes as there are cores, or `alone` in this one."""
     if alone:
         return list(map(job, places))
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with processes() as pool:
         return list(pool.map(job, places))
 
 

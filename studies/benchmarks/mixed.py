@@ -1,7 +1,5 @@
 """The grid on the mixed workload: several kinds of streams per robot, 0.2 to 50 kB, limits in bytes."""
 
-import os
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from statistics import fmean
 
@@ -20,6 +18,7 @@ from studies.benchmarks.missions import (
 from studies.benchmarks.report import Table
 from studies.mixed_workload import BYTE_LIMITS
 from studies.oracle import optimum, upper_bound
+from studies.processes import processes
 from studies.workload import SCENARIOS
 
 TARGET = 96.0
@@ -58,7 +57,7 @@ def _attainable(*, quick: bool) -> Table:
     if quick:
         cells = [work(point) for point in points("mixed")]
     else:
-        with ProcessPoolExecutor(os.cpu_count()) as pool:
+        with processes() as pool:
             cells = list(pool.map(work, points("mixed")))
     columns = len(SCENARIOS)
     rows = (cells[at : at + columns] for at in range(0, len(cells), columns))

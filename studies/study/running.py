@@ -1,15 +1,15 @@
 """Runs tasks: in processes of this machine, or on a Dask cluster. Each result is stored as soon as it is there."""
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass, field
 from importlib import import_module
-from multiprocessing import get_context
 from typing import Any
 
 from proxy.extras import needs, there
 from studies.ns3.errors import Ns3Unavailable
 from studies.oracle import OracleUnavailable
+from studies.processes import processes
 from studies.progress_bar import flights
 from studies.study.costs import expected
 from studies.study.errors import StudyError
@@ -58,7 +58,7 @@ def _here(tasks: Sequence[Task], jobs: int) -> Finished:
         for task in tasks:
             yield task, lambda task=task: fly_one(task)  # type: ignore[misc]
         return
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    pool = processes(jobs)
     try:
         futures = {pool.submit(fly_one, task): task for task in tasks}
         for future in as_completed(futures):

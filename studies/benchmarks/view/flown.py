@@ -1,11 +1,10 @@
 """Flights of teams, on all cores, each measured beside its bound and one central decider."""
 
-import os
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from statistics import fmean
 
+from studies.processes import processes
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.flights import crew, team
 from studies.simulation.forecasts import Probe
@@ -82,7 +81,7 @@ def fly_all(flights: Iterable[Flight], *, alone: bool = False) -> list[Flown]:
         marks = dict(zip(unlike, map(_measure, unlike.values()), strict=True))
         flown = [_fly(flight, marks[flight.measured_like()]) for flight in each.values()]
     else:
-        with ProcessPoolExecutor(os.cpu_count()) as pool:
+        with processes() as pool:
             marks = dict(zip(unlike, pool.map(_measure, unlike.values()), strict=True))
             flown = list(pool.map(_fly, each.values(), [marks[flight.measured_like()] for flight in each.values()]))
     found = dict(zip(each, flown, strict=True))

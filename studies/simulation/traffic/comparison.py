@@ -1,12 +1,11 @@
 """The comparison: contenders that fly the same missions under the same conditions, several at a time."""
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from time import process_time
 from typing import Any
 
+from studies.processes import processes
 from studies.simulation.scores import scored
 from studies.simulation.traffic.baselines import Simple
 from studies.simulation.traffic.flights import How, fly, fly_alone
@@ -127,7 +126,7 @@ def fly_all(flights: Sequence[Task], jobs: int) -> Iterator[Result]:
     if jobs == 1:
         yield from map(fly_one, flights)
         return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    with processes(jobs) as pool:
         yield from pool.map(fly_one, flights)
 
 

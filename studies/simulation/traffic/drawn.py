@@ -9,7 +9,6 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,6 +18,7 @@ import numpy as np
 from planner import Exponential, Linear, Step, Video
 from planner.utility import MessageUtility
 from studies.benchmarks.report import Table, write_page
+from studies.processes import processes
 from studies.simulation.traffic.flights import How, fly, fly_alone
 from studies.simulation.traffic.kinds import Kind
 from studies.simulation.traffic.missions import draw_from
@@ -187,7 +187,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, help="write the tables there, as a Markdown page")
     options = parser.parse_args(arguments)
     seeds, found = range(options.first, options.first + options.seeds), list[Reached]()
-    with ProcessPoolExecutor(options.jobs) as pool:
+    with processes(options.jobs) as pool:
         for each in pool.map(reach, seeds, [options.seconds] * len(seeds)):
             if each is not None:
                 found.append(each)
