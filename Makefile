@@ -42,8 +42,10 @@ demo: setup
 
 # More at a time than there are cores, for tests of sessions wait for each other most of the time. Tests of one module stay
 # together: they may share a daemon. CONTRIBUTING.md says which test belongs where.
+# One that hangs says after five minutes where.
 WORKERS ?= $(shell expr 2 \* $$(nproc))
-PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadscope --no-loadscope-reorder
+PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadscope --no-loadscope-reorder \
+	--override-ini faulthandler_timeout=300
 
 test: setup
 	$(PYTEST) -m "not system and not full"
