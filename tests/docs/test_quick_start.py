@@ -18,14 +18,17 @@ HERE = """
 sendworthy() {{
     case $1 in
     run) exec {program} "$@" --app.listen '["{app}"]' --mesh.listen '[]' --mesh.scouting false ;;
-    check) {program} "$@" ;;
+    check) {program} "$@" && until grep -q 'files changed: specs ' ../first.txt; do sleep 0.1; done ;;
     learn) {program} "$@" --connect {app} --seconds 3 ;;
     doctor) {program} "$@" --connect {app} || [ $? -le 2 ] ;;
     *) {program} "$@" --connect {app} ;;
     esac
 }}
 """
-"""Goes behind `activate`: ports of our own, a shorter while to listen, and this machine's clock may be wrong."""
+"""Goes behind `activate`: ports of our own, a shorter while to listen, and this machine's clock may be wrong.
+
+What is typed after `check` is typed when the daemon has taken up what was learned.
+"""
 INSTALLED = ("python3 -m venv venv\n", "venv/bin/pip install .\n")
 ENTERED = ". ../venv/bin/activate\n"
 """What a terminal begins with; the fourth block is typed in the third one."""
