@@ -93,12 +93,12 @@ class Sends(Protocol):
 
 
 class Openings:
-    """The departures that were asked for last: they stay the same until somebody sends."""
+    """The departures of one kind of room that were asked for last: they stay the same until somebody sends."""
 
     def __init__(self) -> None:
         self._of: tuple[int, tuple[Send, ...]] = -1, ()
-        self._known: dict[bool, tuple[float, Departures]] = {}
-        """Since when each holds what was sent [s], and the departures."""
+        self._known: tuple[float, Departures | None] = math.inf, None
+        """Since when they hold what was sent [s], and they."""
 
     def after(
         self, since: float, own: Sends, others: tuple[Send, ...], *, anybodys: bool
@@ -107,10 +107,10 @@ class Openings:
         if not others:
             return OwnDepartures(own, since)
         if self._of[0] != own.changes or self._of[1] is not others:
-            self._of, self._known = (own.changes, others), {}
-        known_since, known = self._known.get(anybodys, (math.inf, None))
+            self._of, self._known = (own.changes, others), (math.inf, None)
+        known_since, known = self._known
         if known is None or since < known_since:
             counting = [send for send in others if send[0] >= since]
             known = Departures(own.since(since), counting, anybodys=anybodys)
-            self._known[anybodys] = since, known
+            self._known = since, known
         return known
