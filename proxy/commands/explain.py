@@ -220,14 +220,16 @@ def _decided(daemon: Client, status: Status, key: str) -> Status:
 
 
 def _path_of_specs(status: Status) -> Path:
-    """Return where the specs of a daemon are. Raises ExplainError where nothing is there."""
-    robot, path = status["robot"], status.get("daemon", {}).get("specs")
-    if status.get("specs") == Specs.empty().generation:
+    """Return where the specs of a daemon are, which may not have taken them up yet. Raises ExplainError."""
+    robot, said = status["robot"], status.get("daemon", {}).get("specs")
+    path = None if said is None else Path(said)
+    empty = path is None or not (path.is_file() or any(path.glob("*.toml")))
+    if status.get("specs") == Specs.empty().generation and empty:
         raise ExplainError(f"robot {robot} has no specs, so all samples pass at once; choose others with --specs")
-    if path is None or not Path(path).exists():
+    if path is None or not path.exists():
         where = "are not known" if path is None else f"are in {path}, which is not on this machine"
         raise ExplainError(f"the specs of robot {robot} {where}; choose a copy with --specs")
-    return Path(path)
+    return path
 
 
 def _other_specs(status: Status, specs: SpecSet) -> list[str]:

@@ -325,6 +325,16 @@ def test_the_specs_of_the_daemon_are_the_default(explained, robot):
     assert "robot r1 has no specs, so all samples pass at once" in explained("a", *where, code=exit_codes.FAILED).err
 
 
+def test_specs_that_the_daemon_has_not_taken_up_yet_are_explained(explained, robot, specs):
+    """As they were just written, with a remark; an empty folder holds none."""
+    where = ("--connect", robot["endpoint"])
+    robot["specs"] = "0" * 12
+    assert "robot r1 has other specs in force (000000000000)" in explained("robot/r1/battery", *where).out
+    robot["daemon"] = {"specs": str(Path(specs).parent / "specs.d")}
+    (Path(specs).parent / "specs.d").mkdir()
+    assert "robot r1 has no specs" in explained("a", *where, code=exit_codes.FAILED).err
+
+
 def test_without_a_daemon_the_message_says_so(explained):
     """Where nobody can be asked for specs."""
     where = f"tcp/127.0.0.1:{free_port()}"

@@ -8,7 +8,7 @@ import pytest
 
 from proxy.commands.client import connected
 from studies.benchmarks.watchers import RECORD, SCRAPER, TOP, WHY, Watched, Watchers, scrape
-from studies.benchmarks.watching import ALL, CASES, WATCHES, Flown, Round, json_line, more, tables
+from studies.benchmarks.watching import ALL, CASES, WATCHES, Flown, Round, more, tables
 from tests.daemons import Running
 from tests.ports import free_port
 from tests.waiting import wait_until
@@ -56,11 +56,6 @@ def test_a_row_for_each_who_watches_the_whole_last():
     assert time.rows[0][1] == "+10.0% ± 0.0%"
     assert time.rows[-1][1] == f"{0.5 * 10e-6 / (1.0 / 2):+.3%}"
     assert [row[1] for row in memory.rows] == ["+2.0", "+3.0", "50.0%"]
-
-
-def test_a_line_takes_longer_as_json():
-    """By some microseconds."""
-    assert 0.0 < json_line() < 1e-3
 
 
 def test_who_watches_is_switched(tmp_path, stack):
