@@ -55,11 +55,15 @@ class ClockTurns:
         28 robots with cameras and small samples had 41 % of the windows over the limit, by up to 1.64, and none now.
         """
 
-    def look(self, view: SharedView, limits: tuple[Limit, ...], sharers: frozenset[str]) -> None:
-        """These robots have turns, and we; see how large messages are, and what the wall clock says."""
+    def look(self, view: SharedView, limits: tuple[Limit, ...], members: frozenset[str]) -> None:
+        """See how large messages are, and what the wall clock says; these robots have turns, and we.
+
+        All of the team have, also who is known to send nothing: not all know that at once, and robots that count others
+        have turns at other times. Where those had none twelve robots had 13 % of the windows over the limit.
+        """
         own = tag(view.settings.zid)
-        self._robots, self._ahead = len(sharers) + 1, view.clocks.offset
-        self._place = sum(name < own for name in sharers) / self._robots
+        self._robots, self._ahead = len(members) + 1, view.clocks.offset
+        self._place = sum(name < own for name in members) / self._robots
         streams = list(view.streams.own())
         ours = max((round(stream.sizes.mean) for stream in streams), default=0)
         copies = max((view.subscribers.copies(stream) for stream in streams), default=1)

@@ -25,10 +25,11 @@ from collections.abc import Callable, Collection, Sequence
 
 from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW, Turn
 from proxy.core.coordination.demands import bid
+from proxy.core.coordination.departed import Departed
 from proxy.core.coordination.equal_parts import EqualParts
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.meanwhile import Meanwhile
-from proxy.core.coordination.team import Team
+from proxy.core.coordination.team import Team, words_take_long
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
@@ -67,6 +68,7 @@ class Coordination:
         """Since when parts are agreed on that take in what all ask for [s]."""
         self.established = self.team.strict
         """Whether that was so for a window; until then all have equal parts, or what tables give them."""
+        self._departed = Departed()
         self.meanwhile = Meanwhile()
         """What we do until then."""
 
@@ -146,6 +148,10 @@ class Coordination:
         if isinstance(message, Digest):
             sent = self._view.peers[name].offset.ours(message.sent)
             self.team.heard(message, now - sent)
+            if (split := self.split_in_force) is not None:
+                gone = self._departed.share(message, split.agreement)
+                if gone >= TUNING.departed_part and words_take_long(self._view, self.team.robots):
+                    self.team.patience.give_up(now)
         elif message.since and message.split is not None:
             self.team.heard_vote(name, splits=message.splits)
         if self._split is not None and message.split is not None:

@@ -28,7 +28,7 @@ class EqualParts:
         """See who has parts, how large messages are, and what part is used, by `using`, of what we may."""
         self.by_clock = team.large or team.gave_up
         if self.by_clock:
-            self._turns.look(view, limits, team.sharers)
+            self._turns.look(view, limits, team.members)
         self._overbooking.advance(now, using(now), team.sharing)
 
     def rest(self) -> None:

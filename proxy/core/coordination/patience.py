@@ -24,6 +24,11 @@ class Patience:
         self._pending_since = min(self._pending_since, now)
         if now < self._pending_since + TUNING.agreement_time + TUNING.agreement_news * news_take:
             return False
-        self._rests_until, self._pending_since = now + self._rest, math.inf
-        self._rest = min(2.0 * self._rest, TUNING.longest_retry)
+        self.give_up(now)
         return True
+
+    def give_up(self, now: float) -> None:
+        """Nobody waits for a while from now on, unless that is so already."""
+        if now >= self._rests_until:
+            self._rests_until, self._pending_since = now + self._rest, math.inf
+            self._rest = min(2.0 * self._rest, TUNING.longest_retry)

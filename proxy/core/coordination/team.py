@@ -50,7 +50,7 @@ class Team:
         """Whether equal parts do: announcements cost too much, and no message is much larger than such a part."""
         self.sharers: frozenset[str] = frozenset()
         """Tags of the others that share equal parts with us: all but those that are known to have sent nothing."""
-        self._patience, self._stuck = Patience(), False
+        self.patience, self._stuck = Patience(), False
         self.gave_up = False
         """Whether the team could not agree on parts in time, and words cost too much: equal parts need none.
 
@@ -124,9 +124,9 @@ class Team:
     def wait(self, now: float, waiting: float, *, pending: bool) -> None:
         """Robots have yet to agree on parts, or not; where that takes too long they do without for a while."""
         agreeing = pending and bool(self.members) and not self.large
-        self._stuck = self._patience.is_over(now, self.news_take(waiting), pending=agreeing)
+        self._stuck = self.patience.is_over(now, self.news_take(waiting), pending=agreeing)
         dear = self.gave_up or self._dear_since < math.inf
-        self.gave_up = self._stuck and (dear or _words_take_long(self._view, self.robots))
+        self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))
 
     def judge(
         self,
@@ -250,7 +250,7 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
     return not any(exceeds(TUNING.announced_part, use, (limit,)) for use, limit in words)
 
 
-def _words_take_long(view: SharedView, robots: int) -> bool:
+def words_take_long(view: SharedView, robots: int) -> bool:
     """Whether it takes long until each of so many robots has said a word to every other, within their allowance."""
     words = robots if is_broadcast(view.settings.transport) else robots * (robots - 1)
     told = allowance_of(view.specs, view.settings.allowance, robots)

@@ -77,7 +77,10 @@ class CoordinationTuning:
     """Few digests are smaller [B]..."""
     slow_words: float = 2.0
     """... and where one of each robot to every other takes longer than this within the allowance, a team that could not
-    agree on parts keeps to equal ones [s]."""
+    agree on parts keeps to equal ones [s]; so do the others as soon as...
+    """
+    departed_part: float = 0.25
+    """... this part of a limit is with robots that gave up (`departed.py`)."""
     varied_margin: float = 0.06
     """Where several robots plan for all, and all large samples vary in size, so much of each limit is left: five robots
     with samples of random sizes had 0.9 % of windows over the limit at 20 ms instead of 2.9, with the same utility, and
@@ -196,7 +199,7 @@ class CoordinationTuning:
     turn_parts: float = 1.5
     """What is larger than so many equal parts goes by turns in a large team."""
     turn_step: float = 1.15
-    """Robots and parts are rounded up to a power of this for turns."""
+    """Robots are rounded up to a power of this for turns."""
     turn_size: float = 1.05
     """Slots are so much larger than the largest message as a rule."""
     turn_time: float = 0.1
