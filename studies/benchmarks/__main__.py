@@ -8,6 +8,7 @@ from pathlib import Path
 
 from studies.benchmarks.bridge import measure_bridge
 from studies.benchmarks.budget import measure_budget
+from studies.benchmarks.deciding import measure_deciding
 from studies.benchmarks.designs import measure_designs
 from studies.benchmarks.foresight import measure_foresight
 from studies.benchmarks.grid import measure_grid
@@ -45,6 +46,7 @@ BENCHMARKS: dict[str, tuple[str, Benchmark]] = {
     "view": ("How right the shared view is, and what a team reaches with it", lambda quick: measure_view(quick=quick)),
     "bridge": ("What the bridge costs", lambda quick: measure_bridge(quick=quick)),
     "budget": ("What a daemon costs", lambda quick: measure_budget(quick=quick)),
+    "deciding": ("How long decisions take", lambda quick: measure_deciding(quick=quick)),
     "watching": ("What it costs to watch a daemon", lambda quick: measure_watching(quick=quick)),
     "small": ("What a small computer makes of it", lambda quick: measure_small(quick=quick)),
     "daemons": ("Real daemons, real traffic", lambda quick: measure_traffic(quick=quick)),
