@@ -24,6 +24,8 @@ class DaemonTuning:
     # Samples on their way to the core
     items: int = 8192
     """Items that may wait for the core; more are taken in only if they must not be lost."""
+    between: int = 4
+    """So many of them are taken between two things that follow from what was done last."""
     noted: float = 0.4
     """What the core only notes it learns this late at most [s]. With 0.05 an idle daemon among ten others woke for each
     digest, which took a third of its processor time."""
