@@ -3,7 +3,7 @@
 A robot that could not agree in time gives up for a minute. What others agreed on with it stays in force for them: slots
 that it holds nobody passes on, and it keeps to an equal part beside what they have. Where such robots have much of a
 limit the others give up, too. Else ten robots with equal messages, a few important, used 46 % of it (57 now); and six
-of which some kept to equal parts had 51 % of the windows over the limit, by up to 1.62 (3 %). Where one that hears
+of which some kept to equal parts had 51 % of the windows over the limit, by up to 1.62 (1 %). Where one that hears
 nothing has little it is the better way to go on without it.
 """
 
