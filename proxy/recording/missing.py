@@ -41,13 +41,13 @@ class Missing:
         """Count a payload."""
         self.payloads += 1
 
-    def follow(self, other: "Missing") -> None:
-        """Count what another one counts, which comes next."""
+    def follow(self, other: "Missing", reason: str = "") -> None:
+        """Count what another one counts, which comes next; all is missing for this `reason` where one is given."""
         if self.first is None:
             self.first = other.first
         self.by_kind.update(other.by_kind)
         self.payloads += other.payloads
-        self.reason = self.reason or other.reason
+        self.reason = reason or self.reason or other.reason
 
     @property
     def by_kind(self) -> Counter[type[Event]]:

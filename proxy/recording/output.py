@@ -150,8 +150,7 @@ class Output:
         self.flush()
         if self._writer is not None:
             if self._missing and self._writer.take_back():
-                self._last.follow(self._missing)
-                self._last.reason = self._missing.reason
+                self._last.follow(self._missing, self._missing.reason)
                 self._writer.gap(self._last.gap(self._number), self._now)
             self._end(reason)
 
@@ -239,8 +238,7 @@ class Output:
         if self.written.problem != reason:
             log.error("recording: %s; the record says what is missing", reason)
         self.written = replace(self.written.lacking(self._in_hand.events), problem=reason)
-        self._missing.follow(self._in_hand)
-        self._missing.reason = reason
+        self._missing.follow(self._in_hand, reason)
         self._in_hand = Missing()
         self._retry_at = clock.monotonic() + self._retry
         self._retry = min(2.0 * self._retry, TUNING.longest_retry)
