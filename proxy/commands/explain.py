@@ -23,7 +23,7 @@ from utility_specs.competing import Competitor, competitors, typical_sizes
 from utility_specs.errors import QuantityError
 from utility_specs.explaining import Explanation, explain
 from utility_specs.features.change import Change
-from utility_specs.loader import SpecSet, load_set
+from utility_specs.loader import SpecSet, load_set, spec_files
 from utility_specs.suggestions import hint, quoted
 from utility_specs.terminal_plot import ASCII, BRAILLE, Style
 from utility_specs.units import DURATION, SIZE, Dimension
@@ -125,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
                 )
         else:
             lines = _offline(arguments, load_set(arguments.specs), None)
-    except (NoAnswerError, ExplainError) as error:
+    except (NoAnswerError, ExplainError, OSError) as error:
         print(f"sendworthy explain: {error}", file=sys.stderr)
         return exit_codes.FAILED
     except SpecsError as error:
@@ -220,13 +220,13 @@ def _decided(daemon: Client, status: Status, key: str) -> Status:
 
 
 def _path_of_specs(status: Status) -> Path:
-    """Return where the specs of a daemon are, which may not have taken them up yet. Raises ExplainError."""
+    """Return where the specs of a daemon are, which may not have taken them up yet. Raises ExplainError, OSError."""
     robot, said = status["robot"], status.get("daemon", {}).get("specs")
     path = None if said is None else Path(said)
-    empty = path is None or not (path.is_file() or any(path.glob("*.toml")))
-    if status.get("specs") == Specs.empty().generation and empty:
+    there = path is not None and path.exists()
+    if status.get("specs") == Specs.empty().generation and not (path and there and spec_files(path)):
         raise ExplainError(f"robot {robot} has no specs, so all samples pass at once; choose others with --specs")
-    if path is None or not path.exists():
+    if path is None or not there:
         where = "are not known" if path is None else f"are in {path}, which is not on this machine"
         raise ExplainError(f"the specs of robot {robot} {where}; choose a copy with --specs")
     return path

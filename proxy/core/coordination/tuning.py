@@ -77,8 +77,7 @@ class CoordinationTuning:
     """Few digests are smaller [B]..."""
     slow_words: float = 2.0
     """... and where one of each robot to every other takes longer than this within the allowance, a team that could not
-    agree on parts keeps to equal ones [s]; so do the others as soon as...
-    """
+    agree on parts keeps to equal ones [s]; so do the others as soon as..."""
     departed_part: float = 0.25
     """... this part of a limit is with robots that gave up (`departed.py`)."""
     varied_margin: float = 0.06

@@ -333,6 +333,8 @@ def test_specs_that_the_daemon_has_not_taken_up_yet_are_explained(explained, rob
     robot["daemon"] = {"specs": str(Path(specs).parent / "specs.d")}
     (Path(specs).parent / "specs.d").mkdir()
     assert "robot r1 has no specs" in explained("a", *where, code=exit_codes.FAILED).err
+    robot["daemon"] = {"specs": "/" + 5_000 * "a"}
+    assert "File name too long: '/aa" in explained("a", *where, code=exit_codes.FAILED).err
 
 
 def test_without_a_daemon_the_message_says_so(explained):
