@@ -59,6 +59,6 @@ class Parts:
 
     def due_at(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""
-        told = max(self.gossip.due_at(now), self.gate.search.answer_due)
-        due = min(told, self.gate.wakes_at, self.coordination.due_at(now), now + LONGEST_SLEEP)
+        decided = max(min(self.gossip.due_at(now), self.gate.wakes_at), self.gate.search.answer_due)
+        due = min(decided, self.coordination.due_at(now), now + LONGEST_SLEEP)
         return max(min(due, self.channel.capacity.wakes_at(now)), now)

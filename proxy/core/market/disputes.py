@@ -16,7 +16,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from proxy.core.market.pace import at_pace, pace_part
-from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, count_new, reserve, row_of
+from proxy.core.market.rows import Rows
+from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, reserve
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
@@ -39,12 +40,15 @@ class Disputes:
         """When it was weighed how streams stand [s]."""
         self.revision = 0
         """How often it was weighed how streams stand."""
+        self.due_at = math.inf
+        """When it is to be weighed again, as samples come so often that the next one will ask for it [s]."""
         self._limits: tuple[Limit, ...] = ()
         self._alone = False
+        self._generated: dict[Place, int] = {}
+        """How many samples streams had generated then, whether they have a turn or not."""
         self._weighed: dict[Place, Weighed] = {}
         self._market: Market | None = None
-        self._new = 1
-        """So many streams were new then."""
+        self._rows = Rows(view)
         self._load: tuple[tuple[Stream, int], ...] = ()
         """The streams that are booked, and in how many copies their samples go."""
         self._reserve: Amounts = ()
@@ -61,28 +65,23 @@ class Disputes:
         self.stretched = 0.0
         """How much longer than planned it may take to send several, one after the other [s]."""
 
-    def advance(
-        self,
-        now: float,
-        limits: tuple[Limit, ...],
-        *,
-        alone: bool,
-        deciding: Stream | None = None,
-        ahead: bool = False,
-    ) -> None:
+    def advance(self, now: float, limits: tuple[Limit, ...], *, alone: bool, deciding: Stream | None = None) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
-        It is sooner where a sample is to be decided of a stream that is new, and `ahead` of samples to come.
+        It is sooner where a sample is to be decided of a stream that is new, or that generated only half as many then.
         """
-        new = deciding is not None and _place(deciding) not in self._weighed
+        new = deciding is not None and self._knew_little(deciding)
         pause = TUNING.interval_each * len(self._weighed)
-        pause = pause if new else max(TUNING.interval, pause) * (TUNING.ahead if ahead else 1.0)
-        if now < self.weighed_at + pause and (self._limits, self._alone) == (limits, alone):
+        due_at = self.weighed_at + (pause if new else max(TUNING.interval, pause))
+        if now < due_at and (self._limits, self._alone) == (limits, alone):
+            if now > self.weighed_at and not new:
+                self.due_at = due_at
             return
+        self.due_at = math.inf
         view, self.weighed_at, self._limits, self._alone = self._view, now, limits, alone
         competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
-        self._new = count_new(now, competing, limits)
-        rows = [self._row(now, stream) for stream in competing] if limits else []
+        self._generated = {_place(stream): stream.generated for stream in competing}
+        rows = self._rows.of(now, competing, limits) if limits else []
         if alone:
             rows = [row for row in rows if row.has_room(limits)]
         places = [_place(row.stream) for row in rows]
@@ -95,6 +94,11 @@ class Disputes:
         self._weighed = dict(zip(places, weighed, strict=True))
         self.revision += 1
         self._book(now, list(zip(rows, weighed, strict=True)))
+
+    def _knew_little(self, stream: Stream) -> bool:
+        """Whether far more is known of a stream now than when it was weighed how streams stand."""
+        then = self._generated.get(_place(stream), 0)
+        return then < TUNING.rate_samples and stream.generated >= 2 * then
 
     def weighed(self, stream: Stream) -> Weighed:
         """Return how a stream stands."""
@@ -123,7 +127,7 @@ class Disputes:
     def _weighed_alone(self, now: float, stream: Stream) -> Weighed:
         """Return how a stream stands that is new, at the prices that there are."""
         market = self._market
-        return UNKNOWN if market is None or market.fits else market.weigh_new(self._row(now, stream))
+        return UNKNOWN if market is None or market.fits else market.weigh_new(self._rows.one(now, stream, self._limits))
 
     def patience(self, stream: Stream, standing: Standing = Standing.CONTESTED) -> float:
         """Return how long a sample that stands so waits for room [s]."""
@@ -165,12 +169,6 @@ class Disputes:
                 left.append(send)
         return tuple(left)
 
-    def _row(self, now: float, stream: Stream) -> Row:
-        """What there is to know of a stream."""
-        view = self._view
-        copies, audience = view.subscribers.copies(stream), view.audiences.of(now, stream)
-        return row_of(now, stream, audience, copies, self._limits, own=self._own(stream), new=self._new)
-
     def _book(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> None:
         """Book what is no decision."""
         limits = self._limits
@@ -198,8 +196,9 @@ class Disputes:
         periods = [row.interval for row in contested if row.stream.information_type.markovian]
         few = len({row.stream.robot for row in contested}) <= TUNING.late_robots
         self.late = TUNING.late_period * min(periods, default=0.0) if few else 0.0
-        own = [row for row in contested if self._own(row.stream)]
-        self.stretched = 0.0 if self._alone else TUNING.paced_ahead * max(map(self._occupies, own), default=0.0)
+        own = [] if self._alone else [row for row in contested if self._own(row.stream)]
+        largest = max(own, key=lambda row: at_pace(row.use, limits), default=None)
+        self.stretched = 0.0 if largest is None else TUNING.paced_ahead * self._occupies(largest)
 
     def _occupies(self, row: Row) -> float:
         """Return how long a sample of a stream of ours keeps the channel busy [s]."""

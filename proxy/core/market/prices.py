@@ -63,18 +63,19 @@ class Market:
             last, first = (np.where(cost > 0.0, marginal[:, at] / cost, math.inf) for at in (0, -1))
         net = steady.value - steady.rate * cost[:, None]
         apart = np.where(net.max(axis=1) > 0.0, steady.apart[np.arange(len(rows)), net.argmax(axis=1)], math.inf)
+        each = (of.tolist() for of in (last, first, apart, cost, marginal[:, 0], marginal[:, -1]))
         return [
             Weighed(
-                self._standing(row, float(last[at]), float(first[at])),
+                self._standing(row, of_last, of_first),
                 row.stream.newest.scale,
                 row.interval,
-                float(apart[at]),
-                float(cost[at]),
-                float(marginal[at, 0]),
-                float(marginal[at, -1]),
+                best,
+                price,
+                least,
+                most,
                 row.relief,
             )
-            for at, row in enumerate(rows)
+            for row, of_last, of_first, best, price, least, most in zip(rows, *each, strict=True)
         ]
 
     def weigh_new(self, row: Row) -> Weighed:

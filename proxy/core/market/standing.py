@@ -68,7 +68,10 @@ class Row(NamedTuple):
 
     def takes_at_most(self, part: float, limits: Sequence[Limit]) -> bool:
         """Whether its messages take no more than this part of every limit."""
-        return all(u + d <= part * c.limit for u, d, c in zip(self.use, self.deviation, limits, strict=True))
+        for use, deviation, limit in zip(self.use, self.deviation, limits, strict=True):
+            if use + deviation > part * limit.limit:
+                return False
+        return True
 
     def has_room(self, limits: Sequence[Limit]) -> bool:
         """Whether limits that are our part are as large as its messages; others have no turn now, and set no price."""
@@ -85,18 +88,25 @@ def row_of(
     size = round(stream.sizes.mean)
     use = use_of(size, copies, limits, own=own)
     more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
-    # What others do not tell of goes on as it did: eight robots with cameras kept no room for the small samples of some
-    # of them, as if they were silent, and windows were over the limit by 5 %.
-    until = stream.touched if _is_periodic(stream) and not own else now
     return Row(
         stream,
-        interval_of(until, stream, min(c.window for c in limits), new=new),
+        interval_among(now, stream, limits, own=own, new=new),
         audience.mean if audience.share > 0.0 else audience.latency,
         stream.newest.scale * audience.share,
         use,
         tuple([m - u for m, u in zip(more, use, strict=True)]),
         _relief(stream, audience.share),
     )
+
+
+def interval_among(now: float, stream: Stream, limits: Sequence[Limit], *, own: bool, new: int) -> float:
+    """Return the mean time between samples of a stream that competes for these limits, and so many that are `new` [s].
+
+    What others do not tell of goes on as it did: eight robots with cameras kept no room for the small samples of some
+    of them, as if they were silent, and windows were over the limit by 5 %.
+    """
+    until = stream.touched if not own and _is_periodic(stream) else now
+    return interval_of(until, stream, min([c.window for c in limits]), new=new)
 
 
 def _relief(stream: Stream, share: float) -> float:

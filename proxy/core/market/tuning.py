@@ -8,13 +8,10 @@ class MarketTuning:
     """Each with what it is for, and the measurement behind it where there is one."""
 
     interval: float = 0.25
-    """Streams are weighed anew this often [s], before a sample is decided..."""
+    """Streams are weighed anew this often [s], before a sample is decided, or when it is time to where samples come
+    more often: they need not wait for it, which takes as long as search and window..."""
     interval_each: float = 1e-3
-    """... where many streams compete only after so long for each of them [s]..."""
-    ahead: float = 0.75
-    """... and after this part of that when a sample was decided and nobody waits: the next one finds it done. It takes
-    1 ms, as search and window do."""
-
+    """... where many streams compete only after so long for each of them [s]."""
     known: float = 1.0
     """Who only looks is told the prices by which was decided last, if they are no older than this [s]: to work them out
     anew took 2.5 ms of the 4 ms of a status with 200 streams."""

@@ -85,8 +85,6 @@ class OwnSamples:
     def handed(self, event: ev.SampleHanded) -> list[Command]:
         """The mesh session took a sample."""
         self._gate.outcomes.handed(event.now, event.sample)
-        if not self._gate.waits:
-            self._gate.appraisal.weigh_ahead(event.now)
         return []
 
     def refused(self, event: ev.SampleRefused) -> list[Command]:

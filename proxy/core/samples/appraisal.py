@@ -150,12 +150,10 @@ class Appraisal:
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
     def weigh_ahead(self, now: float) -> None:
-        """Weigh the streams that compete, if it soon is time to, so that the next sample need not wait for that."""
-        due = now >= self.disputes.weighed_at + TUNING.ahead * TUNING.interval
-        if due and self.budget.limits and not self.all_fits:
-            self._advance(now, ahead=True)
+        """Weigh the streams that compete if it is time to, so that the next sample need not wait for that."""
+        if now >= self.disputes.due_at:
+            self._advance(now)
 
-    def _advance(self, now: float, deciding: Stream | None = None, *, ahead: bool = False) -> None:
+    def _advance(self, now: float, deciding: Stream | None = None) -> None:
         """Weigh anew how streams stand, if it is time to."""
-        usable, alone = self.budget.usable(now), self.budget.alone
-        self.disputes.advance(now, usable, alone=alone, deciding=deciding, ahead=ahead)
+        self.disputes.advance(now, self.budget.usable(now), alone=self.budget.alone, deciding=deciding)

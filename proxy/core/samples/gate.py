@@ -6,7 +6,7 @@ from functools import partial
 
 from planner import Plan
 from proxy.core.coordination.budget import Budget
-from proxy.core.interface.commands import Command, Forward, Notice
+from proxy.core.interface.commands import Command, Notice
 from proxy.core.interface.events import DecisionReady
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import use_of
@@ -152,9 +152,15 @@ class Gate:
         self._tickets += 1
         self._waits.restart(now)
         self.wakes_at = math.inf
+        commands = self._take_up_all(now) if self._inbox or self._copies else []
+        if not self.search.busy():
+            self.appraisal.weigh_ahead(now)
+        self.wakes_at = min(self.wakes_at, self.appraisal.disputes.due_at)
+        return commands
+
+    def _take_up_all(self, now: float) -> list[Command]:
+        """Take up samples, and copies, as far as they can be."""
         commands, crowded = list[Command](), False
-        if not self._inbox and not self._copies:
-            return commands
         for _ in range(TUNING.taken_up_at_once):
             if self.search.busy():
                 break
@@ -181,8 +187,6 @@ class Gate:
             commands = self._decided(event, pending, event.plan)
         else:
             commands = [*self._complain(event.error), *self._without_plan(event.now, pending, late=False)]
-        if not self._inbox and not any(type(each) is Forward for each in commands):  # else nobody has time
-            self.appraisal.weigh_ahead(event.now)
         return [*commands, *self.undecided.pass_deletions()]
 
     def overdue(self, now: float, ticket: int) -> list[Command]:
@@ -218,7 +222,7 @@ class Gate:
         if stream is None:
             return self.outcomes.pass_on(sample.sample, "passed:no-spec")
         if self._view.subscribers.count(stream) == 0:
-            return self._pass_unwanted(now, sample)
+            return self.outcomes.pass_unwanted(now, sample)
         use = self.appraisal.use(stream, sample)
         if self._budget.limits and not self._view.subscribers.gaining(stream):
             return self.outcomes.refuse(now, stream, sample, Why("dropped:once"))
@@ -230,13 +234,6 @@ class Gate:
         if must or not searching or self.appraisal.look_for_room(now, stream, len(self._inbox)):
             return self._send_unweighed(now, stream, sample, use, must=must)
         return self._weigh(now, stream, sample, use)
-
-    def _pass_unwanted(self, now: float, sample: Waiting) -> Command:
-        """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not say so yet."""
-        if silent := self._view.members.unannounced:
-            self._budget.use_at_most(now, use_of(sample.size, silent, self._budget.limits), 1.0)
-        self.decisions.log.note(now, sample.key, sample, Why("passed:unwanted"))
-        return self.outcomes.pass_on(sample.sample, "passed:unwanted")
 
     def _weigh(self, now: float, stream: Stream, sample: Waiting, use: Use) -> Command:
         """Decide by what room costs, or where that is disputed by a search; a little goes whatever others claim."""

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from planner import Aggregation
 from proxy.core.interface.commands import Command, Drop, Forward
+from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.appraisal import Appraisal, Use
@@ -41,6 +42,13 @@ class Outcomes:
         """Forward a sample that needs no decision."""
         self._counts.approve(sample, reason)
         return Forward(sample)
+
+    def pass_unwanted(self, now: float, sample: Waiting) -> Command:
+        """Nobody wants it that we know of: it takes nothing, unless it is for robots that did not say so yet."""
+        if silent := self._view.members.unannounced:
+            self._budget.use_at_most(now, use_of(sample.size, silent, self._budget.limits), 1.0)
+        self._log.note(now, sample.key, sample, Why("passed:unwanted"))
+        return self.pass_on(sample.sample, "passed:unwanted")
 
     def send(self, now: float, stream: Stream | None, sample: Waiting, use: Use, why: Why) -> Command:
         """Forward what was decided for."""

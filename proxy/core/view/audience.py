@@ -85,8 +85,8 @@ def audience_of(fan: Fan, gaining: tuple[str, ...], size: int, lost: float) -> A
 class Audiences:
     """The audience of each stream, looked at anew when somebody joins or leaves it, and now and then.
 
-    In large teams that is more work, and done more rarely. Streams of one robot whose samples are of one size, and
-    which the same robots want, have one audience.
+    In large teams that is more work, and done more rarely. Streams of one robot whose samples are of about one size,
+    and which the same robots want, have one audience.
     """
 
     def __init__(self, settings: CoreSettings, members: Members, subscribers: Subscribers, paths: Paths) -> None:
@@ -131,7 +131,7 @@ class Audiences:
 
     def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> "_Looked":
         """Look at the ways of a stream, unless those of another stream that are the same were looked at lately."""
-        size = stream.newest.size
+        size = _about(stream.newest.size)
         found = self._common.get((stream.robot, size, gaining))
         if found is None or now >= found.until:
             if len(self._common) > self._settings.streams:
@@ -148,6 +148,12 @@ class Audiences:
         if now != self._lost_at:
             self._lost, self._lost_at = self._paths.mean_loss(), now
         return self._lost
+
+
+def _about(size: int) -> int:
+    """Return the nearest size that has no more than so many binary digits that are not 0 at its end [B]."""
+    unit = 1 << max(0, size.bit_length() - TUNING.size_digits)
+    return (size + unit // 2) // unit * unit
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,6 +46,9 @@ class ViewTuning:
     """Who gains by a stream, and how late, is looked at anew this often [s]."""
     small_team: int = 10
     """That is done more rarely in a larger team than this, by as many times as it is larger."""
+    size_digits: int = 5
+    """Streams have one audience whose sizes are equal but for what exceeds so many binary digits, 3 % at most: looking
+    at each of a hundred streams took half of the time in which it is weighed how they stand."""
 
     # What one robot may say
     implausible_for: float = 10.0

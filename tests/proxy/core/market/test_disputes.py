@@ -1,5 +1,6 @@
 """What is booked as load, and what is left to contested messages; seen at a core that talks."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -348,14 +349,18 @@ def test_a_sample_that_finds_no_room_beside_one_that_overtook_it_waits(talk):
     assert talk.core.budget.free(now + 0.002)[0] >= 0.0
 
 
-@pytest.mark.parametrize("send", [True, False])
-def test_streams_are_weighed_while_no_sample_waits_for_it(talk, send):
-    """When one was handed over or dropped, so that the next one finds it done."""
-    now, frame, decide = search_begun(talk, 2.0)
+def test_streams_are_weighed_ahead_where_samples_come_often(talk):
+    """Once it is time to, so that the next sample finds it done; not where none came since it was weighed last."""
+    now, _, decide = search_begun(talk, 2.0)
+    talk.answer(now, decide, send=True)
     disputes = talk.core.gate.appraisal.disputes
-    before, soon = disputes.weighed_at, now + MARKET.interval * (1.0 + MARKET.ahead) / 2.0
-    talk.answer(soon, decide, send=send)
-    if send:
-        assert disputes.weighed_at == before
-        talk.tell(ev.SampleHanded(soon, frame))
-    assert disputes.weighed_at == soon
+    before, due = disputes.weighed_at, disputes.weighed_at + MARKET.interval
+    while now + 0.1 < due:
+        now = round(now + 0.1, 6)
+        searched(talk, now, talk.publish(now, size=FRAME, red=0.1)[1])
+    assert (disputes.weighed_at, disputes.due_at) == (before, due)
+    assert talk.core.wake_at(now) <= due
+    talk.tell(ev.TimePassed(due))
+    assert (disputes.weighed_at, disputes.due_at) == (due, math.inf)
+    talk.tell(ev.TimePassed(due + MARKET.interval))
+    assert disputes.weighed_at == due

@@ -144,6 +144,20 @@ def test_how_a_sample_stands_follows_what_competes(rivals):
     assert [rivals.all_go(key) for key in (CAMERA, SMALL, OTHERS)] == [False, True, False]
 
 
+def test_a_stream_is_weighed_anew_when_far_more_is_known_of_it(rivals):
+    """At its second, fourth and eighth sample, however lately that was done; later ones wait until it is time to."""
+    key, weighed = "robot/r1c/camera", []
+    new = rivals.view.streams.touch(10.0, "r1", key)
+    new.matching = True
+    for number in range(1, 20):
+        now, before = 10.0 + 0.01 * number, rivals.disputes.weighed_at
+        new.note_generated(number, Generated(now, 10, 1.0))
+        rivals.weigh(now, new, waiting(key, 10))
+        if rivals.disputes.weighed_at != before:
+            weighed.append(number)
+    assert weighed == [1, 2, 4, 8]
+
+
 def test_a_copy_leaves_the_room_that_is_booked(rivals):
     """For what goes without a search: beside it there is less than the limit has."""
     free = rivals.budget.free(10.0)
