@@ -105,11 +105,12 @@ class Inbound:
         """How many samples were sent to us lately, and how many of these got lost."""
         return self._losses.counted
 
-    def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> float | None:
+    def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> tuple[float, float] | None:
         """A sample arrived; `stamp` is on its robot's wall clock [s].
 
-        Return when it was generated, on our clock [s], by what samples take and how long they wait; None while that is
-        not known. Its timestamp serves to find what samples take, once it is sure that the clock was not set meanwhile.
+        Return when it was generated and sent, on our clock [s], by what samples take and how long they wait; None while
+        that is not known. Its timestamp serves to find what samples take, once it is sure that the clock was not set
+        meanwhile.
         """
         self.samples += 1
         if self._last[1]:
@@ -126,7 +127,10 @@ class Inbound:
                 self._unread.append(_Heard(now, size, stamp + wait, incoming))
         self._read(now - TUNING.wall_step_told_within)
         line = self._usually(now)
-        return None if line is None else now - line.of(size) - wait
+        if line is None:
+            return None
+        sent = now - line.of(size)
+        return sent - wait, sent
 
     def heard_news(self, now: float, key: str, news: StreamDigest, *, counts: bool) -> None:
         """The robot tells of a stream. The news `counts` if each sample is for us and those it tells of have come.

@@ -75,8 +75,7 @@ class Overhearing:
         if peer is not None and peer.plain:
             peer, robot = None, f"{PLAIN}{event.origin}"
         if peer is not None and peer.digest is not None:
-            t_gen = peer.inbound.heard_sample(now, event.key, event.size, event.stamp)
-            self._take_from(now, t_gen, event, peer)
+            self._take_from(now, peer.inbound.heard_sample(now, event.key, event.size, event.stamp), event, peer)
         elif peer is not None:
             peer.hear_sample()
             self._traffic.note_unknown(now, event.size, peer.robot)
@@ -87,12 +86,12 @@ class Overhearing:
             stream.note_generated(stream.generated + 1, generated)
             self._traffic.note_sent(stream, stream.forwarded + 1, Sent(now, now, event.size, scale, features))
 
-    def _take_from(self, now: float, t_gen: float | None, event: SampleHeard, peer: Peer) -> None:
+    def _take_from(self, now: float, times: tuple[float, float] | None, event: SampleHeard, peer: Peer) -> None:
         """A sample of a robot we know was sent: we hear it before its digest tells, or it tells of it already.
 
-        Where its timestamp cannot tell, it was generated when it was sent.
+        The `times` are those at which it was generated and sent; while nobody can say it was generated when sent.
         """
-        stream = self._streams.known(peer.robot, event.key)
+        stream, t_gen = self._streams.known(peer.robot, event.key), None if times is None else times[0]
         if stream is None or stream.last is None:
             stream = self._meet(now, t_gen, event, peer)
         if stream is None or stream.last is None:
@@ -100,8 +99,8 @@ class Overhearing:
             return
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + TUNING.same_sample
-        t_gen = on_air if t_gen is None else min(t_gen, now)
-        if stream.sent is not None and t_gen < stream.sent.t_sent + _apart(stream, stream.sent, event.size):
+        t_gen, t_left = (on_air, on_air) if times is None else (min(times[0], now), times[1])
+        if stream.sent is not None and _is(stream.sent, stream, event.size, t_left, on_air):
             stream.hear_told()
             return
         features = event.features or {}
@@ -130,8 +129,14 @@ class Overhearing:
         return stream
 
 
-def _apart(stream: Stream, sent: Sent, size: int) -> float:
-    """How much later than a send a sample of a `size` [B] was generated at least that is another one [s]."""
+def _is(sent: Sent, stream: Stream, size: int, t_left: float, on_air: float) -> bool:
+    """Whether a sample of `size` [B] that we hear is the one that the stream sent last, as far as we know.
+
+    It left its robot at `t_left` by what such samples usually take, and no later than it was `on_air` [s]. By when it
+    was generated nobody can say: samples wait for room, each for another time, and where what they wait for usually was
+    taken off, six robots did not count every tenth sample of others until a digest told of it (broadcast).
+    """
     if not sent.told:
-        return TUNING.same_sample
-    return max(TUNING.told_sample * stream.period, TUNING.same_size if size == sent.size else TUNING.same_sample)
+        return on_air < sent.t_sent + TUNING.same_sample
+    alike = TUNING.same_size if size == sent.size else TUNING.same_sample
+    return t_left < sent.t_sent + max(TUNING.told_sample * stream.period, alike)

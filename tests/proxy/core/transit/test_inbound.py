@@ -142,8 +142,8 @@ def test_when_a_sample_was_generated_no_timestamp_tells(peer, error):
         hear(peer, float(at), 0.25)
         peer.inbound.heard_news(at + 0.05 + LATER, KEY, news(at, at, float(at), at + 0.05), counts=True)
     stamp = 12.0 - 100.0 + 1000.0 + error
-    assert peer.inbound.heard_sample(12.25, KEY, 100, stamp) == pytest.approx(12.0, abs=1e-3)
-    assert peer.inbound.heard_sample(13.25, KEY, 100, None) == pytest.approx(13.0, abs=1e-3)
+    assert peer.inbound.heard_sample(12.25, KEY, 100, stamp) == pytest.approx((12.0, 12.05), abs=1e-3)
+    assert peer.inbound.heard_sample(13.25, KEY, 100, None) == pytest.approx((13.0, 13.05), abs=1e-3)
 
 
 def test_a_small_step_is_not_taken_for_a_quicker_way(peer):

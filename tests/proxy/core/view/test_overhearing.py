@@ -56,6 +56,23 @@ def test_a_sample_that_its_digest_overtook_counts_once_however_late_it_comes(mak
     assert len(view.traffic.sent_since(4.5)) == sends
 
 
+def test_a_sample_counts_at_once_though_others_of_its_stream_waited_longer_before_they_were_sent(make_specs):
+    """By what samples usually wait it would have been generated before the one that was sent last."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 0.25),)))
+    name = next(iter(view.peers))
+    for number in range(1, 6):
+        sent = 0.25 * number + 0.2
+        told = StreamDigest(1, number, number, sent - 0.2, sent, 100, 1.0)
+        view.heard_digest(sent, Digest("r2", name, sent, 0, 0, (told,)))
+        view.overhearing.take(SampleHeard(sent + 0.001, CAMERA, 100, "z-r2", None, None))
+    view.peers[name].offset.echoed(1.4, 1.4)
+    view.overhearing.take(SampleHeard(1.5, CAMERA, 110, "z-r2", None, None))
+    assert view.streams.known("r2", CAMERA).forwarded == 6
+    assert len(view.traffic.sent_since(1.44)) == 2
+
+
 @pytest.mark.parametrize(("size", "sends"), [(30_000, 1), (29_000, 2)])
 def test_a_sample_of_a_fast_stream_may_be_later_than_the_next_one_if_it_has_the_size_that_was_told(
     make_specs, size, sends
