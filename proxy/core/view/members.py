@@ -1,12 +1,10 @@
 """The other robots that are here, each under a name that no other one has."""
 
-import math
 from collections.abc import Mapping
 
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, tag
 from proxy.core.view.peer import Peer
-from proxy.core.view.streams import Streams
 from proxy.core.view.tuning import TUNING
 
 
@@ -86,68 +84,6 @@ class Members:
 
     def _note_names(self) -> None:
         self.tags = {peer.robot: name for name, peer in self._peers.items()} | dict((self._own,))
-
-
-class Newcomers:
-    """Which robots have been met lately, and which of them may still tell what they sent."""
-
-    def __init__(self, peers: Mapping[str, Peer], streams: Streams) -> None:
-        self._peers = peers
-        self._streams = streams
-        self._met_at = -math.inf
-        """When a robot was met last [s]."""
-        self._doubted_at = -math.inf
-        """When somebody last turned out to say nothing [s]."""
-
-    def met(self, now: float) -> None:
-        """A robot was met."""
-        self._met_at = now
-
-    def doubt(self, now: float, peer: Peer) -> None:
-        """A robot leaves, or has been there for long: if it has said nothing, others like it may come."""
-        if peer.silent:
-            self._doubted_at = now
-
-    def in_doubt(self, now: float) -> bool:
-        """Whether who comes now may be nobody, as a token costs nothing, and many may come and go.
-
-        It takes part from its first word on. So it is where the team has been there for a while: a team that begins
-        has no time to wait for all that each says.
-        """
-        since = now - TUNING.team_begins
-        return now < self._doubted_at + TUNING.doubt_time or any(
-            peer.since <= since and not peer.silent for peer in self._peers.values()
-        )
-
-    def met_lately(self, now: float) -> list[Peer]:
-        """Return the robots of which little may be known yet: they, or our own streams, have just come.
-
-        Teams are often switched on before anything is sent.
-        """
-        began, time = self._began(), TUNING.newcomer_time
-        return [peer for peer in self._peers.values() if now < max(peer.since, began) + time and not peer.plain]
-
-    def greeted_by(self, now: float) -> float:
-        """Until when a robot that has just been met may still tell what it sent lately [s]; −∞ where all have told.
-
-        Nobody waits for tokens once one of them has turned out to be nothing more.
-        """
-        time = TUNING.greeting_time
-        if now >= self._met_at + time:
-            return -math.inf
-        waited_for = now >= self._doubted_at + TUNING.doubt_time
-        new = (p for p in self._peers.values() if p.last_heard is None and (not p.plain or (waited_for and p.silent)))
-        return max((peer.since + time for peer in new if peer.state is None or peer.told), default=-math.inf)
-
-    def only_listens(self, peer: Peer) -> bool:
-        """Whether a robot has sent nothing though we have sent for a while: an operator only listens."""
-        if peer.counted is None:
-            return False
-        told_at, messages, _ = peer.counted
-        return messages == 0 and told_at >= max(peer.since, self._began()) + TUNING.silent_since_start
-
-    def _began(self) -> float:
-        return min((stream.began for stream in self._streams.own()), default=-math.inf)
 
 
 class UnknownSenders:

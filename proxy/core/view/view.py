@@ -7,7 +7,8 @@ from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.view.audience import Audiences
 from proxy.core.view.contention import Contention
 from proxy.core.view.echoes import Echoes
-from proxy.core.view.members import Members, Newcomers
+from proxy.core.view.members import Members
+from proxy.core.view.newcomers import Newcomers
 from proxy.core.view.news import News
 from proxy.core.view.overhearing import Origins, Overhearing
 from proxy.core.view.paths import Paths
@@ -32,9 +33,9 @@ class SharedView:
         self.streams = Streams(settings, specs)
         self.members = Members(settings)
         self.peers = self.members.peers
-        self.newcomers = Newcomers(self.peers, self.streams)
         self.origins = Origins(settings, self.streams, self.members)
         self.subscribers = Subscribers(settings, self.streams, self.members)
+        self.newcomers = Newcomers(self.peers, self.streams, self.subscribers)
         self.traffic = TrafficLog(settings.robot, self.subscribers)
         self.staleness = Staleness(self.peers)
         self.echoes = Echoes(own, self.peers)

@@ -168,6 +168,22 @@ def test_a_robot_that_only_listens_is_soon_believed(talk, messages, presumed):
     assert before[0] - after[0] == pytest.approx(presumed, abs=300)
 
 
+@pytest.mark.parametrize("wanted", [True, False])
+def test_a_robot_that_finds_no_room_does_not_only_listen(talk, wanted):
+    """It has sent nothing, but would; of samples that nobody wants nothing is to come."""
+    run(talk, 2.0, 4.0)
+    talk.tell(ev.PeerAppeared(4.0, "r2", "z-r2"))
+    camera = StreamState(1, "robot/r2/camera", "camera", 0.1, size=FRAME)
+    talk.tell(ev.StateHeard(4.0, State("r2", "z-r2", "enforce", "", (camera,), ("robot/**",), number=1)))
+    if not wanted:
+        talk.want(4.0, keys=("robot/r2/odometry",))
+    news = (StreamDigest(1, 25, 0, 6.4, 0.0, FRAME, 1.0),)
+    run(talk, 4.05, 6.5)
+    talk.tell(ev.DigestHeard(6.5, Digest("r2", tag("z-r2"), 6.5, 0, 0, news, state=1), 40))
+    view = talk.core.view
+    assert view.newcomers.only_listens(view.peers[tag("z-r2")]) is not wanted
+
+
 def test_room_is_kept_for_small_samples_beside_frames_that_nearly_fill_the_limit(make_talk, make_specs):
     """Of such frames those go that are smaller than usual."""
     talk = make_talk(make_specs(text=SPEC))
