@@ -19,6 +19,7 @@ from proxy.core.market.pace import at_pace, pace_part
 from proxy.core.market.rows import Rows
 from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, reserve
 from proxy.core.market.tuning import TUNING
+from proxy.core.market.under_way import UnderWay
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Sent, Stream, excess
@@ -60,6 +61,8 @@ class Disputes:
         """Those of each of them, by its place, as they are since it sent this."""
         self.settled: frozenset[Place] = frozenset()
         """The streams that are no part of any decision."""
+        self.under_way = UnderWay()
+        """What others send of what is booked."""
         self.late = 0.0
         """How much later than it was generated a contested sample may be sent [s]."""
         self.stretched = 0.0
@@ -178,6 +181,8 @@ class Disputes:
         self._known, self._sends_of = None, {}
         apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
         booked = reserve([row for row, _ in load], apart, limits)
+        others = [(row, time) for (row, _), time in zip(load, apart, strict=True) if not self._own(row.stream)]
+        self.under_way = UnderWay.of([row for row, _ in others], [time for _, time in others], len(limits))
         presumed = self._presumed(now, [row for row, _ in load], apart)
         kept = [
             max(

@@ -125,7 +125,10 @@ class Waits:
                 return False
             self._inbox.rest(sample, until)
             return True
-        needed = self._disputes.besides(now, use) if contested else use
+        if contested:
+            needed = self._disputes.besides(now, use)
+        else:
+            needed = use if self._budget.alone else self._disputes.under_way.beside(use, news_take(self._view))
         wanted = Room.ANYBODYS if leads else Room.OWN if contested else Room.IN_TURN
         room = self._budget.opens(now, needed, wanted)
         if leads and room > now:
