@@ -7,7 +7,7 @@ from dataclasses import dataclass
 class MarketTuning:
     """Each with what it is for, and the measurement behind it where there is one."""
 
-    interval: float = 0.25
+    interval: float = 0.2
     """Streams are weighed anew this often [s], before a sample is decided, or when it is time to where samples come
     more often: they need not wait for it, which takes as long as search and window..."""
     interval_each: float = 1e-3
