@@ -100,8 +100,7 @@ class Overhearing:
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + TUNING.same_sample
         t_gen, t_left = (on_air, on_air) if times is None else (min(times[0], now), times[1])
-        if stream.sent is not None and _is(stream.sent, stream, event.size, t_left, on_air):
-            stream.hear_told()
+        if stream.sent is not None and _counted(stream, stream.sent, event.size, t_left, on_air):
             return
         features = event.features or {}
         scale = stream.information_type.scale(features) if features else stream.last.scale
@@ -129,8 +128,8 @@ class Overhearing:
         return stream
 
 
-def _is(sent: Sent, stream: Stream, size: int, t_left: float, on_air: float) -> bool:
-    """Whether a sample of `size` [B] that we hear is the one that the stream sent last, as far as we know.
+def _counted(stream: Stream, sent: Sent, size: int, t_left: float, on_air: float) -> bool:
+    """Whether a sample of `size` [B] that we hear is counted already: as what the stream `sent` last, or before that.
 
     It left its robot at `t_left` by what such samples usually take, and no later than it was `on_air` [s]. By when it
     was generated nobody can say: samples wait for room, each for another time, and where what they wait for usually was
@@ -138,5 +137,9 @@ def _is(sent: Sent, stream: Stream, size: int, t_left: float, on_air: float) -> 
     """
     if not sent.told:
         return on_air < sent.t_sent + TUNING.same_sample
-    alike = TUNING.same_size if size == sent.size else TUNING.same_sample
-    return t_left < sent.t_sent + max(TUNING.told_sample * stream.period, alike)
+    apart, alike = TUNING.told_sample * stream.period, TUNING.same_size if size == sent.size else TUNING.same_sample
+    if t_left >= sent.t_sent + max(apart, alike):
+        return False
+    if t_left > sent.t_sent - apart:  # else it is an older one, and that one is still to come
+        stream.hear_told()
+    return True

@@ -94,6 +94,29 @@ def test_a_sample_of_a_fast_stream_may_be_later_than_the_next_one_if_it_has_the_
     assert view.streams.known("r2", CAMERA).forwarded == 10 + sends
 
 
+def test_samples_that_their_digests_overtook_count_once_though_the_next_one_is_told_of_before_they_come(make_specs):
+    """On a channel where samples wait behind others, and digests go by."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport="udp/224.0.0.226:7449"), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    view.heard_state(0.0, State("r2", "z-r2", "enforce", "", (StreamState(1, CAMERA, "camera", 0.1),)))
+    name, waits = next(iter(view.peers)), 0.25
+    view.peers[name].offset.echoed(0.0, 0.0)
+    view.peers[name].inbound.set_wall_offset(0.0, 0.0)
+    events = []
+    for number in range(1, 31):
+        sent = 0.1 * number
+        told = StreamDigest(1, number, number, sent, sent, 30_000, 1.0)
+        events.append((sent + 0.001, Digest("r2", name, sent, 0, 0, (told,))))
+        events.append((sent + waits, SampleHeard(sent + waits, CAMERA, 30_000, "z-r2", sent, None)))
+    for now, event in sorted(events, key=lambda each: each[0]):
+        if isinstance(event, Digest):
+            view.heard_digest(now, event)
+        else:
+            view.overhearing.take(event)
+        assert view.streams.known("r2", CAMERA).forwarded <= int((now + 1e-6) / 0.1)
+    assert view.streams.known("r2", CAMERA).forwarded == 30
+
+
 @pytest.mark.parametrize("told_at", [5.0, 5.6])
 def test_a_stream_is_known_from_the_air_before_any_digest_tells_of_it(make_specs, told_at):
     """What it sent before nobody knows; what was heard and what is told of it then counts once."""
