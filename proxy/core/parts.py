@@ -1,5 +1,6 @@
 """The parts of one robot's core, built once and from the lowest to the highest."""
 
+import math
 from dataclasses import dataclass
 from typing import Self
 
@@ -59,6 +60,7 @@ class Parts:
 
     def due_at(self, now: float) -> float:
         """When something is to be done that no event brings about [s]."""
-        decided = max(min(self.gossip.due_at(now), self.gate.wakes_at), self.gate.search.answer_due)
-        due = min(decided, self.coordination.due_at(now), now + LONGEST_SLEEP)
+        told = max(self.gossip.due_at(now), self.gate.search.answer_due)
+        taken_up = math.inf if self.gate.search.busy() else self.gate.wakes_at
+        due = min(told, taken_up, self.coordination.due_at(now), now + LONGEST_SLEEP)
         return max(min(due, self.channel.capacity.wakes_at(now)), now)

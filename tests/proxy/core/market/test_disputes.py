@@ -380,3 +380,14 @@ def test_streams_are_weighed_ahead_where_samples_come_often(talk):
     assert (disputes.weighed_at, disputes.due_at) == (due, math.inf)
     talk.tell(ev.TimePassed(due + MARKET.interval))
     assert disputes.weighed_at == due
+
+
+def test_what_waits_is_not_looked_at_while_an_answer_is_awaited(talk):
+    """It could not be taken up: the core was asked again and again for as long as the search took."""
+    now, _, decide = search_begun(talk, 2.0)
+    gate, due_at = talk.core.gate, talk.core.parts.due_at
+    before, gate.wakes_at = due_at(now), now - 1.0
+    assert due_at(now) == before > now
+    talk.answer(now, decide, send=False)
+    gate.wakes_at = now - 1.0
+    assert due_at(now) == now
