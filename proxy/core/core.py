@@ -9,10 +9,11 @@ of what is heard is only noted: where no sample waits for it, the parts go on wh
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 from proxy.core.congestion.channel import Channel
-from proxy.core.coordination.budget import Budget
+from proxy.core.coordination.budget import Budget, using
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.gossip.gossip import Gossip
 from proxy.core.interface import events as ev
@@ -241,7 +242,7 @@ class Core:
             budget.limits,
             channel.staleness,
             announcements.share,
-            budget.using,
+            partial(using, budget),
             passes_at=announcements.passes_at,
         )
         budget.mute(announcements.due_at(now))

@@ -85,11 +85,6 @@ class Budget:
         """What our own sends of the window that ends now use."""
         return self.own.used(now - self.limits[k].window, k)
 
-    def using(self, now: float) -> float:
-        """What part our own sends of the windows that end now take of what we may use of shared constraints."""
-        shared = (k for k, limit in enumerate(self.limits) if limit.shared)
-        return max((self.used(now, k) / self.whole(now, k) for k in shared), default=0.0)
-
     def free(self, now: float) -> list[float]:
         """What may still be sent now of each constraint; less than nothing where too much was sent."""
         free = [
@@ -118,6 +113,18 @@ class Budget:
         shared = [k for k, limit in enumerate(self.limits) if limit.shared]
         rooms = [(use[k], part * self.whole(now, k), self.used(now, k)) for k in shared]
         return all(u <= TUNING.certain_message * room and used + u <= room for u, room, used in rooms)
+
+    def in_turn(self, now: float, use: tuple[float, ...]) -> bool:
+        """Whether a message for which there is room has that as it is our turn by the clock, though our part would do.
+
+        Plans, which know nothing of turns, keep that part for a later message, which would come when the turn is over.
+        """
+        if not self._coordination.equal.by_clock:
+            return False
+        return any(
+            amount <= self.whole(now, k) and self._coordination.turn(now, k, limit, amount).began > -math.inf
+            for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
+        )
 
     def opens(self, now: float, use: tuple[float, ...], wanted: Room = Room.OWN) -> float:
         """When the `wanted` room opens for a message [s]; −∞ where it is there, ∞ where it never does.
@@ -212,6 +219,12 @@ class Budget:
         """Return the uses of samples that others sent, as far as they count."""
         sent = [] if self.alone else self._view.traffic.sent_since(since)
         return uses_of(now, sent, self.limits, self.own.leave_after)
+
+
+def using(budget: Budget, now: float) -> float:
+    """Return what part our own sends of the windows that end now take of what we may use of shared constraints."""
+    shared = (k for k, limit in enumerate(budget.limits) if limit.shared)
+    return max((budget.used(now, k) / budget.whole(now, k) for k in shared), default=0.0)
 
 
 def grew(budget: Budget, now: float) -> float:

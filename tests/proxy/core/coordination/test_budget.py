@@ -147,6 +147,30 @@ def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_b
     assert max(apart) == pytest.approx(min(apart), abs=0.02)
 
 
+def test_in_its_turn_a_robot_keeps_no_room_for_later_messages_though_its_part_has_room_for_any(make_budget):
+    """Where it uses little, and so may use more than an equal part; what is small needs no turn."""
+    robots = TUNING.large_team + 1
+    large, small = (1.9 * BYTES.limit / robots,), (0.3 * BYTES.limit / robots,)
+    budget, view = make_budget(peers=robots - 1)
+    for number, robot in enumerate(("r1", *view.peers)):
+        stream = view.streams.touch(0.0, robot, f"robot/{robot}/camera")
+        stream.matching = True
+        for count in range(9):
+            stream.note_generated(count + 1, Generated(count - 9.0 + number / robots, round(large[0]), 1.0))
+    now, turns = 0.1, 0
+    assert not budget.in_turn(now, large), "until the team is known to be large"
+    for step in range(2000):
+        now = 0.1 + 0.01 * step
+        for stream in view.streams if step % 100 == 0 else ():
+            stream.note_generated(stream.generated + 1, Generated(now, round(large[0]), 1.0))
+        budget._coordination.advance(now, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
+        if now > 10.0 and not budget.lacking(now, large):
+            turns += budget.in_turn(now, large)
+            assert large[0] <= budget.whole(now, 0)
+        assert not budget.in_turn(now, small)
+    assert turns > 0
+
+
 def test_windows_are_stretched_no_further_than_sends_are_remembered(make_budget):
     """A message of a thousand limits goes after so many windows."""
     budget, _ = make_budget()
