@@ -58,7 +58,7 @@ def _unheard_since(now: float, view: SharedView, c: Candidate, limits: Limits, l
     use = use_of(stream.newest.size, c.copies, limits.union, own=False)
     if not (view.subscribers.overhears(stream.robot) or changes_plans(use, limits.union)):
         return max(heard, now - longest)
-    within = TUNING.agreed_within + view.staleness.delay if limits.agreed else TUNING.overheard_within
+    within = (TUNING.agreed_within if limits.agreed else TUNING.overheard_within) + view.staleness.delay
     return max(heard, now - _latency(view, c) - within - schedule.jitter)
 
 

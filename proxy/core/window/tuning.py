@@ -31,12 +31,13 @@ class WindowTuning:
     varied: float = 0.05
     """... whose sizes deviate by more than this part, and which come by a rhythm: of five robots with samples of random
     sizes, worths and times twice as many windows were over the limit, with 2 % less utility."""
-    overheard_within: float = 0.05
-    """We overhear a sample this much later at most, besides the latency and the stream's jitter [s]: with a fifth of it
-    three of eight real robots that started on a busy machine sent at once..."""
+    overheard_within: float = 0.02
+    """We overhear a sample this much later at most, besides the latency, what digests take beyond their least, and the
+    stream's jitter [s]: plans took room for what nobody had sent. With 0.05, whatever digests take, twelve robots with
+    samples at random reached 72 % of a central decider instead of 75, with 5.6 % of the windows over, not 3.6..."""
     agreed_within: float = 0.01
-    """... and where all plans agree this much, besides what digests take beyond their least: ten robots with equal
-    messages reached 1 to 4 % less with five times as much (100 and 300 ms)."""
+    """... and where all plans agree this much: ten robots with equal messages reached 1 to 4 % less with five times as
+    much (100 and 300 ms)."""
     early: float = 0.1
     """The next sample of a guaranteed stream may come earlier than expected by this part of the period."""
     overhead: float = 0.5
