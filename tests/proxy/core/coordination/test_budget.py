@@ -119,16 +119,22 @@ def test_a_message_larger_than_the_limit_has_the_window_stretched_for_it(make_bu
     assert not budget.lacking(6.2, large)
 
 
-def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_budget):
-    """Another one may go in the next turn, and is told when that begins."""
-    robots = TUNING.large_team + 1
-    large = (3.0 * BYTES.limit / robots,)
+def large_team(make_budget, robots, size):
+    """Return what one of so many robots may send, each of which has a camera with samples of a size, and its view."""
     budget, view = make_budget(peers=robots - 1)
     for number, robot in enumerate(("r1", *view.peers)):
         stream = view.streams.touch(0.0, robot, f"robot/{robot}/camera")
         stream.matching = True
         for count in range(9):
-            stream.note_generated(count + 1, Generated(count - 9.0 + number / robots, round(large[0]), 1.0))
+            stream.note_generated(count + 1, Generated(count - 9.0 + number / robots, size, 1.0))
+    return budget, view
+
+
+def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_budget):
+    """Another one may go in the next turn, and is told when that begins."""
+    robots = TUNING.large_team + 1
+    large = (3.0 * BYTES.limit / robots,)
+    budget, _ = large_team(make_budget, robots, round(large[0]))
     budget._coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 1.0, passes_at=lambda now: now)
     sent, opens = list[float](), -math.inf
     for number in range(3000):
@@ -151,12 +157,7 @@ def test_in_its_turn_a_robot_keeps_no_room_for_later_messages_though_its_part_ha
     """Where it uses little, and so may use more than an equal part; what is small needs no turn."""
     robots = TUNING.large_team + 1
     large, small = (1.9 * BYTES.limit / robots,), (0.3 * BYTES.limit / robots,)
-    budget, view = make_budget(peers=robots - 1)
-    for number, robot in enumerate(("r1", *view.peers)):
-        stream = view.streams.touch(0.0, robot, f"robot/{robot}/camera")
-        stream.matching = True
-        for count in range(9):
-            stream.note_generated(count + 1, Generated(count - 9.0 + number / robots, round(large[0]), 1.0))
+    budget, view = large_team(make_budget, robots, round(large[0]))
     now, turns = 0.1, 0
     assert not budget.in_turn(now, large), "until the team is known to be large"
     for step in range(2000):
