@@ -182,7 +182,7 @@ class Disputes:
         apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
         booked = reserve([row for row, _ in load], apart, limits)
         others = [(row, time) for (row, _), time in zip(load, apart, strict=True) if not self._own(row.stream)]
-        self.under_way = UnderWay.of([row for row, _ in others], [time for _, time in others], len(limits))
+        self.under_way = UnderWay.of(others, len(limits))
         presumed = self._presumed(now, [row for row, _ in load], apart)
         kept = [
             max(

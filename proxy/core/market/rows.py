@@ -6,6 +6,7 @@ Most streams generate more seldom than streams are weighed. The rows of a hundre
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from planner.measures import Measure
 from proxy.core.market.standing import Row, count_new, interval_among, row_of
 from proxy.core.model.limits import Limit
 from proxy.core.view.audience import Audience
@@ -28,8 +29,8 @@ class Rows:
 
     def __init__(self, view: SharedView) -> None:
         self._view = view
-        self._measured: list[object] = []
-        """What the limits were like that rows tell the use of."""
+        self._measured: list[Measure] = []
+        """How what rows tell the use of was measured."""
         self._known: dict[Stream, _Known] = {}
         self._new = 1
         """So many of these streams are new."""
@@ -37,7 +38,7 @@ class Rows:
     def of(self, now: float, streams: Iterable[Stream], limits: tuple[Limit, ...]) -> list[Row]:
         """Return a row of each of the streams that compete for these limits."""
         streams = list(streams)
-        measured: list[object] = [(limit.measure, limit.window) for limit in limits]
+        measured = [limit.measure for limit in limits]
         before = self._known if measured == self._measured else {}
         self._measured, self._known, self._new = measured, {}, count_new(now, streams, limits)
         return [self._row(now, stream, limits, before.get(stream)) for stream in streams]
@@ -52,7 +53,7 @@ class Rows:
         view = self._view
         audience, copies = view.audiences.of(now, stream), view.subscribers.copies(stream)
         if known is None or known[:4] != (stream.changes, stream.last, audience, copies):
-            row = self.one(now, stream, limits)
+            row = row_of(now, stream, audience, copies, limits, own=self._own(stream), new=self._new)
             self._known[stream] = _Known(stream.changes, stream.newest, audience, copies, row)
             return row
         self._known[stream] = known

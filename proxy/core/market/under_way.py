@@ -20,12 +20,10 @@ class UnderWay(NamedTuple):
     variance: Amounts = ()
 
     @classmethod
-    def of(cls, rows: Sequence[Row], apart: Sequence[float], limits: int) -> "UnderWay":
-        """Return it of streams of others that send so far apart [s], under so many limits."""
-        rates = [1.0 / each for each in apart]
-        mean = tuple([sum([r.use[k] * rate for r, rate in zip(rows, rates, strict=True)]) for k in range(limits)])
-        squares = [sum([r.use[k] ** 2 * rate for r, rate in zip(rows, rates, strict=True)]) for k in range(limits)]
-        return cls(mean, tuple(squares))
+    def of(cls, sending: Sequence[tuple[Row, float]], limits: int) -> "UnderWay":
+        """Return it of streams of others, each with how far apart it sends [s], under so many limits."""
+        mean = tuple([sum([row.use[k] / apart for row, apart in sending]) for k in range(limits)])
+        return cls(mean, tuple([sum([row.use[k] ** 2 / apart for row, apart in sending]) for k in range(limits)]))
 
     def beside(self, use: Amounts, time: float) -> Amounts:
         """Return the use of a message, and of what is under way beside it where news take so long [s]."""

@@ -131,6 +131,7 @@ class Overhearing:
 def _counted(stream: Stream, sent: Sent, size: int, t_left: float, on_air: float) -> bool:
     """Whether a sample of `size` [B] that we hear is counted already: as what the stream `sent` last, or before that.
 
+    If it is what was told of and not heard yet, that is heard now.
     It left its robot at `t_left` by what such samples usually take, and no later than it was `on_air` [s]. By when it
     was generated nobody can say: samples wait for room, each for another time, and where what they wait for usually was
     taken off, six robots did not count every tenth sample of others until a digest told of it (broadcast).
