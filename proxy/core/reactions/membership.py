@@ -59,7 +59,7 @@ class Membership:
         robot = peer.robot
         self._view.newcomers.doubt(event.now, peer)
         self._kept.lost(event.now, self._leaving(peer))
-        self._view.gone(event.zid)
+        self._view.gone(event.now, event.zid)
         self._forget(tag(event.zid))
         self._limits.set_members(event.now)
         notice = Notice("info", f"robot {robot} left the mesh", {"robot": robot})

@@ -1,5 +1,7 @@
 """What samples tell that are overheard: what was sent, before the digest of their robot tells it."""
 
+import math
+
 from proxy.core.interface.events import SampleHeard
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.tuning import TUNING as PROTOCOL
@@ -23,6 +25,8 @@ class Origins:
         self.evicted = 0
         self._robots: dict[str, str] = {}
         """Robots by the origins they claim."""
+        self._parted: dict[str, float] = {}
+        """Origins of robots that left, with the times at which they did [s], the first one first."""
 
     def robot_of(self, origin: str | None) -> str:
         """The robot whose app side an origin entered; an unknown origin is a provisional plain node."""
@@ -45,6 +49,18 @@ class Origins:
             self.own.pop(next(o for o in self.own if o != self._settings.zid))
         self.own[origin] = None
         return True
+
+    def part(self, now: float, peer: Peer) -> None:
+        """A robot left; samples of its that are on their way are nobody else's."""
+        for origin in (peer.zid, *peer.origins):
+            self._parted.pop(origin, None)
+            self._parted[origin] = now
+        while len(self._parted) > PROTOCOL.origins:
+            del self._parted[next(iter(self._parted))]
+
+    def parted(self, now: float, origin: str | None) -> bool:
+        """Whether a sample of this origin, which is nobody's, is likely to be of a robot that has just left."""
+        return origin is not None and now < self._parted.get(origin, -math.inf) + TUNING.parting_time
 
     def assign(self) -> None:
         """Give each origin to the robot that claimed it first, or whose own id it is; streams of plain nodes follow."""
@@ -79,6 +95,8 @@ class Overhearing:
         elif peer is not None:
             peer.hear_sample()
             self._traffic.note_unknown(now, event.size, peer.robot)
+        elif self._origins.parted(now, event.origin):
+            self._traffic.note_unknown(now, event.size, robot)
         elif robot.startswith(PLAIN) and (stream := self._streams.touch(now, robot, event.key)) is not None:
             features = event.features or {}
             scale = stream.information_type.scale(features)

@@ -89,6 +89,9 @@ class ViewTuning:
     mismatch_check: float = 0.5
     """It is looked for robots that take no part this often [s]."""
 
+    parting_time: float = 2.0
+    """Samples of a robot that left may still come for so long [s]; after that they are a plain node's."""
+
     # Clocks and ways
     peers_always_echoed: int = 4
     """Of no more peers than these each is echoed as soon as it is met."""

@@ -65,18 +65,19 @@ class SharedView:
             leaving = self.members.evict()
             if leaving is None:
                 return False
-            self.gone(leaving.zid)
+            self.gone(now, leaving.zid)
         self.members.add(now, robot, zid, plain=self.newcomers.in_doubt(now))
         self.newcomers.met(now)
         self.echoes.presume_ways()
         self.origins.assign()
         return True
 
-    def gone(self, zid: str) -> None:
+    def gone(self, now: float, zid: str) -> None:
         """A robot left: it and its streams take no part in plans any more."""
         peer = self.members.remove(zid)
         if peer is None:
             return
+        self.origins.part(now, peer)
         self.subscribers.set(peer.tag, ())
         self.clocks.forget(peer.tag)
         for other in self.peers.values():

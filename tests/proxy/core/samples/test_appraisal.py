@@ -185,5 +185,5 @@ def test_nobody_is_waited_for_where_that_gains_nothing(rivals):
     rivals.weigh(10.0, frames, waiting())
     assert rivals.lacking_beside_rivals(10.0, frames, (1e9,)) == ((), math.inf)
     assert rivals.lacking_beside_rivals(10.0, None, (SIZE,)) == ((), math.inf)
-    rivals.view.gone("z-r2")
+    rivals.view.gone(1.0, "z-r2")
     assert rivals.lacking_beside_rivals(10.0, frames, (SIZE,)) == ((), math.inf)

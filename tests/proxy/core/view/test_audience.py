@@ -33,10 +33,10 @@ def test_an_audience_is_looked_at_anew_when_somebody_joins_or_after_a_while(view
     assert view.audiences.of(1.1, own) is audience
     later = view.audiences.of(1.0 + TUNING.ways_refresh, own)
     assert (later.mean, later.slowest, later.share) == pytest.approx(((0.4 + 2 * 0.11024) / 3, 0.4, 3.0))
-    view.gone("z-r2")
+    view.gone(1.0, "z-r2")
     assert view.audiences.of(1.0 + TUNING.ways_refresh, own).share == 2.0
     for robot in ("r3", "r4"):
-        view.gone(f"z-{robot}")
+        view.gone(1.0, f"z-{robot}")
     assert view.audiences.of(1.0 + TUNING.ways_refresh, own).share == 1.0
 
 

@@ -55,7 +55,7 @@ class Course:
         self.view.add_peer(self.now, robot, f"z-{robot}")
 
     def go(self, robot, *_):
-        self.view.gone(f"z-{robot}")
+        self.view.gone(1.0, f"z-{robot}")
 
     def state(self, robot, _key, number):
         streams = tuple(StreamState(i, f"{robot}/{name}", name, 0.2 * number) for i, name in enumerate(KEYS))
@@ -225,7 +225,7 @@ def test_a_stream_that_is_silent_for_long_by_its_own_measure_competes_no_more(vi
     assert view.contention.competes(130.0, stream)
     view.heard_digest(102.2, digest(7.2))
     assert not view.contention.competes(102.2, stream)
-    view.gone("z-r2")
+    view.gone(1.0, "z-r2")
     assert list(view.streams) == []
 
 

@@ -29,7 +29,7 @@ def test_robots_of_one_name_are_told_apart(view):
         "r1-cccc": "cccc1",
     }
     assert view.subscribers.of(view.streams.known("r2", CAMERA)) == ("aaaa2", "bbbb1")
-    view.gone("aaaa1")
+    view.gone(1.0, "aaaa1")
     assert {s.robot: s.generated for s in view.streams} == {"r2": 2, "r2-bbbb": 3}
     assert view.subscribers.of(view.streams.known("r2", CAMERA)) == ("bbbb1",)
 
@@ -49,12 +49,12 @@ def test_a_robot_that_restarted_has_its_name_when_its_old_self_leaves(view):
     assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-z-ne"]
     view.heard_state(2.0, State("r2", "z-new", "enforce", "", (StreamState(7, CAMERA, "camera", 0.5),)))
     view.heard_digest(2.0, Digest("r2", "z-new", 1.0, 0, 0, (StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0),)))
-    view.gone("z-r2")
+    view.gone(1.0, "z-r2")
     assert [(stream.robot, stream.generated) for stream in view.streams] == [("r2", 1)]
     assert [peer for peer in view.peers.values() if peer.is_namesake] == []
-    view.gone("z-new")
+    view.gone(1.0, "z-new")
     assert list(view.streams) == []
-    view.gone("z-new")
+    view.gone(1.0, "z-new")
 
 
 def test_sessions_of_one_name_are_one_robot(view):

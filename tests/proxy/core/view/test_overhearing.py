@@ -179,6 +179,20 @@ def test_an_origin_that_becomes_ours_is_no_plain_node(view):
     assert [stream.robot for stream in view.streams] == ["?other"]
 
 
+def test_what_comes_late_of_a_robot_that_left_is_no_plain_node(view):
+    """It took its part of the channel all the same; what comes for longer is another node's, or it did not leave."""
+    meet(view, origins=("app-2",))
+    view.gone(3.0, "z-r2")
+    for origin in ("app-2", "z-r2"):
+        view.overhearing.take(SampleHeard(4.0, CAMERA, 100, origin, None, None))
+    assert not list(view.streams)
+    assert len(view.traffic.sent_since(4.0)) == 2
+    view.overhearing.take(SampleHeard(5.1, CAMERA, 100, "app-2", None, None))
+    assert [stream.robot for stream in view.streams] == ["?app-2"]
+    meet(view, origins=("app-2",))
+    assert [stream.robot for stream in view.streams] == ["r2"]
+
+
 def test_nobody_takes_over_an_origin(view):
     """Whoever claims first has it; a robot's own id and ours are never another's."""
     meet(view, origins=("app-2",))
@@ -186,5 +200,5 @@ def test_nobody_takes_over_an_origin(view):
     view.heard_state(1.0, State("r3", "z-r3", "", "", origins=("app-2", "z-r1", "z-r2", "app-3")))
     robots = [view.origins.robot_of(origin) for origin in ("app-2", "z-r1", "z-r2", "app-3")]
     assert robots == ["r2", "r1", "r2", "r3"]
-    view.gone("z-r2")
+    view.gone(1.0, "z-r2")
     assert view.origins.robot_of("app-2") == "r3"

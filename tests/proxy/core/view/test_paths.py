@@ -44,7 +44,7 @@ def test_ways_of_others_are_what_their_receivers_tell(view):
     assert view.paths.of("r2").mean.of(100) == pytest.approx(0.25)
     assert view.paths.of("nobody").mean.of(100) == 0.0
     assert view.peers["z-r2"].heard_by == {"z-r3": Latency(0.3, 1e-3)}
-    view.gone("z-r3")
+    view.gone(1.0, "z-r3")
     assert view.peers["z-r2"].heard_by == {}
 
 
@@ -91,5 +91,5 @@ def test_where_nobody_gains_there_is_no_way(view):
     """All robots left."""
     own = view.streams.touch(0.0, "r1", "robot/r1/camera")
     for robot in ("r2", "r3", "r4"):
-        view.gone(f"z-{robot}")
+        view.gone(1.0, f"z-{robot}")
     assert ways(view, own, 100) == []

@@ -64,7 +64,7 @@ def test_a_broadcast_sample_is_one_copy_for_all(make_specs):
     streams = {robot: view.streams.touch(0.0, robot, f"robot/{robot}/camera") for robot in ("r1", "r2", "r3")}
     assert {robot: view.subscribers.count(stream) for robot, stream in streams.items()} == {"r1": 3, "r2": 2, "r3": 2}
     assert {robot: view.subscribers.copies(stream) for robot, stream in streams.items()} == {"r1": 1, "r2": 2, "r3": 1}
-    view.gone("z-r3")
+    view.gone(1.0, "z-r3")
     assert view.subscribers.copies(view.streams.touch(1.0, "r3", "robot/r3/camera")) == 2
 
 
@@ -84,7 +84,7 @@ def test_of_once_only_those_gain_that_were_sent_nothing_yet(make_specs):
     view.add_peer(2.0, "r3", "z-r3")
     view.heard_state(2.0, State("r3", "z-r3", "enforce", "", (), ("robot/**",)))
     assert view.subscribers.gaining(own) == ("z-r3",)
-    view.gone("z-r2")
+    view.gone(1.0, "z-r2")
     meet(view, subscriptions=("robot/**",))
     assert set(view.subscribers.gaining(own)) == {"z-r2", "z-r3"}
     view.heard_digest(3.0, digest(3.0, StreamDigest(7, 2, 1, 2.9, 2.5, 10, 1.0)))
