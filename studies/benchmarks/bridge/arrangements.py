@@ -18,7 +18,7 @@ with no spec for the keys, one with a spec."""
 
 QUICK = tuple(name for name in ARRANGEMENTS if name != "enforce")
 
-PIECE = "8192"
+PIECE = "16384"
 """Largest piece that a daemon sends on the mesh [B]: one that takes a slow radio longer would end the link."""
 
 PATIENCE = 30.0

@@ -315,13 +315,13 @@ def test_whoever_is_slowed_down_by_full_links_goes_on_when_enough_was_sent(stack
     """Not only when nothing waits any more."""
     bench = Bench(stack, most=4)
     held = bench.held("x", congestion_control=zenoh.CongestionControl.BLOCK)
-    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, passing_backlog=2, moving=1e9, catch_up=60.0))
+    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, passing_backlog=3, moving=1e9, catch_up=60.0))
     bench.fill()
     for _ in range(3):
         bench.egress.pass_on("passed:no-spec", held)
     bringing = threading.Thread(target=bench.egress.pass_on, args=("passed:no-spec", held))
     bringing.start()
-    wait_until(lambda: bench.egress._awaited == 2, what="the fourth, which waits")
+    wait_until(lambda: bench.egress._awaited == 3, what="the fourth, which waits")
     bench.egress.start()
     bringing.join(10.0)
     assert not bringing.is_alive()
