@@ -27,6 +27,7 @@ from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW, Turn
 from proxy.core.coordination.demands import bid
 from proxy.core.coordination.departed import Departed
 from proxy.core.coordination.equal_parts import EqualParts
+from proxy.core.coordination.formation import Formation
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.meanwhile import Meanwhile
 from proxy.core.coordination.team import Team, words_take_long
@@ -63,14 +64,10 @@ class Coordination:
         """The part that we have for small samples whatever others say; none where nobody else sends."""
         self.told: SplitReport | None = None
         """What our last digest said of parts."""
-        self._forms_until, self._did_split = now + TUNING.forming_time, self.team.strict
-        self._formed_at = math.inf
-        """Since when parts are agreed on that take in what all ask for [s]."""
-        self.established = self.team.strict
-        """Whether that was so for a window; until then all have equal parts, or what tables give them."""
+        self.formation = Formation(now, strict=self.team.strict)
         self._departed = Departed()
         self.meanwhile = Meanwhile()
-        """What we do until then."""
+        """What we do until parts are established."""
 
     @property
     def _all_equal(self) -> bool:
@@ -102,7 +99,7 @@ class Coordination:
         if self._all_equal:
             return self.equal.part(self.team)
         ours = split.own_part.of(now, k)
-        if self.established:
+        if self.formation.established:
             return ours
         equal = (1.0 - self._settings.floor) / self.team.robots
         return max(ours, min(equal, split.agreement.exclusive / UNIT))
@@ -201,43 +198,52 @@ class Coordination:
         allowance announcements take, `using` what part we use of what we may, `passes_at` when it could be told that a
         slot of ours is passed on.
         """
-        begun = len(self._view.streams) > 0
-        self._forms_until = self._forms_until if begun else now + TUNING.forming_time
+        if not len(self._view.streams):
+            self.formation.wait(now)
         due = now >= self.looks_at or (self.team.undecided and not self.team.rhythms_known)
         if due:
-            self.looks_at = now + TUNING.interval
-            split = self.split_in_force
-            asked = split is not None and split.agreement.rivals
-            self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
-            self.keeps = self.hollow.keeps(now, self._view, limits, self.team)
-            self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
-            self._view.audiences.take_alike(alike=self.team.agrees)
-            self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
-            if self._split is not None:
-                self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
-            if self._all_equal:
-                self.equal.look(now, self._view, limits, self.team, using)
-            else:
-                self.equal.rest()
-        if self.established or self._split is None:
+            self._look(now, limits, waiting, announcing, using)
+        if self.formation.established or self._split is None:
             self.meanwhile.over()
         else:
             self.meanwhile.look(self.team, self._split.agreement, limits, waiting)
         split = self.split_in_force
-        if split is not None and not self._did_split:
-            split.exchange.begin()
-            due, self._forms_until = True, now + TUNING.forming_time
-        self._did_split = split is not None
+        entered = self.formation.enters(now, splits=split is not None)
         if split is None:
             return self.told is not None
+        if entered:
+            split.exchange.begin()
         if not self.team.rhythms_known:
             return False
-        if due:
+        if due or entered:
             split.bid(now, bid(self._view, now, limits))
         split.advance(now, self.team.news_take(waiting), passes_at(now))
-        self._formed_at = min(self._formed_at, now) if split.agreement.formed else math.inf
-        self.established |= now >= self._formed_at + max(self._kind[0])
+        self.formation.look(now, formed=split.agreement.formed, window=max(self._kind[0]))
         return split.exchange.has_news(now)
+
+    def _look(
+        self,
+        now: float,
+        limits: tuple[Limit, ...],
+        waiting: float,
+        announcing: Callable[[float], float],
+        using: Callable[[float], float],
+    ) -> None:
+        """See whether the team has to split, and what each may use where nobody agrees on parts."""
+        self.looks_at = now + TUNING.interval
+        split = self.split_in_force
+        asked = split is not None and split.agreement.rivals
+        self.team.wait(now, waiting, pending=split is not None and split.agreement.pending)
+        self.keeps = self.hollow.keeps(now, self._view, limits, self.team)
+        self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
+        self._view.audiences.take_alike(alike=self.team.agrees)
+        self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
+        if self._split is not None:
+            self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
+        if self._all_equal:
+            self.equal.look(now, self._view, limits, self.team, using)
+        else:
+            self.equal.rest()
 
     def announcement(self, now: float) -> SplitReport | None:
         """Return what a digest says of parts; None where all plan for all, or we cannot tell yet what we need."""
@@ -252,27 +258,18 @@ class Coordination:
             self._split.announced(now, report)
 
     @property
-    def formed(self) -> bool:
-        """Whether parts were agreed on that take in what all ask for."""
-        return self._split is not None and self._split.agreement.formed
-
-    @property
     def exchange(self) -> Exchange | None:
         """What we announce of parts, where the team agrees on them."""
         return None if self.split_in_force is None else self.split_in_force.exchange
 
     def begins(self, now: float) -> bool:
-        """Whether a team that splits from the beginning has just begun, or may, as we have nothing large to send yet.
-
-        Teams are often switched on before anything is sent: of ten robots with equal messages whose applications began
-        20 s after the daemons nobody could announce or agree then, and they reached 60 to 69 % of one decider in their
-        first 8 s; now 92 to 96.
-        """
-        return (self.team.begins_split or not self.team.had_large) and now < self._forms_until
+        """Whether a team that splits from the beginning has just begun, or may."""
+        return self.formation.begins(now, self.team)
 
     def forming(self, now: float) -> bool:
         """Whether the team begins so, or agrees on parts for the first time: all other announcements have time."""
-        return self.split_in_force is not None and (self.begins(now) or not self.formed) and now < self._forms_until
+        split = self.split_in_force
+        return split is not None and self.formation.lasts(now) and (self.begins(now) or not split.agreement.formed)
 
     @property
     def settled(self) -> bool:

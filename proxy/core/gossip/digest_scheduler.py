@@ -181,7 +181,7 @@ class DigestScheduler:
 
         A robot that changes over to parts speaks while others still announce ahead of the allowance: it may go further.
         """
-        if not self._coordination.established:
+        if not self._coordination.formation.established:
             return self._budget.due_ahead(now, TUNING.first_parts_debt)
         exchange = self._coordination.exchange
         since = -math.inf if exchange is not None and exchange.passes_on else self._parts_since

@@ -80,7 +80,7 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     assert team.coordination.part(team.now, 0) < 0.5 * equal
     team.say("p1", splits=True, split=SplitReport(1, None, ours.table, 0))
     team.look(waiting=99.0)
-    assert team.coordination.formed
+    assert team.coordination.split_in_force.agreement.formed
     assert not team.coordination.forming(team.now)
     assert 0.0 < team.coordination.part(team.now, 0) < 0.5 * equal
 
@@ -100,7 +100,7 @@ def test_parts_are_agreed_on_by_states_as_by_digests(make_team):
     team.coordination.heard(team.now, replace(state, since=3, split=SplitReport(1, None, ours.table, ours.table)))
     team.coordination.heard(team.now, replace(state, since=3))
     team.look()
-    assert team.coordination.formed
+    assert team.coordination.split_in_force.agreement.formed
     assert team.coordination.settled
 
 

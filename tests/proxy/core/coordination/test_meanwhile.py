@@ -59,7 +59,7 @@ def test_all_keep_to_their_parts_once_these_have_been_agreed_on_for_a_window():
     """Nobody has to announce what it sends any more."""
     _, _, team = flown("uniform-mixed", 8, "announce/unicast")
     for core in team.cores.values():
-        assert core.parts.coordination.established
+        assert core.parts.coordination.formation.established
         assert core.parts.coordination.binds
 
 

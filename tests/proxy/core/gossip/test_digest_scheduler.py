@@ -249,7 +249,7 @@ def test_beside_parts_in_a_state_goes_a_first_digest():
     """As samples are taken for those of a robot only once it told something."""
     mission = draw(scenario("mixed"), 0, Conditions(robots=4, seconds=5.0, limit=5))
     team = fly(mission, Conditions(robots=4, seconds=5.0, limit=5), 0)
-    assert all(core.coordination.formed for core in team.cores.values())
+    assert all(core.coordination.split_in_force.agreement.formed for core in team.cores.values())
     heard = [peer.digest is not None for core in team.cores.values() for peer in core.view.peers.values()]
     assert heard == [True] * 20
 
