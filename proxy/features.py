@@ -35,6 +35,8 @@ class _Place:
     covering: InformationType
     payload: zenoh.ZBytes
     attachment: zenoh.ZBytes | None
+    replaceable: bool = False
+    """Whether a newer sample may take it."""
     superseded: int = 0
     ahead: int = 0
     """How many of its key waited before it, at most, which did not give way."""
@@ -72,6 +74,7 @@ class Extractor:
         self._match = match
         self._jobs: deque[_Place] = deque()
         self._places: dict[str, _Place] = {}
+        """The last place of each key that has not been taken up: what comes later waits behind it."""
         self._next: dict[str, float] = {}
         self._noting = threading.Lock()
         self._wake = threading.Condition()
@@ -113,16 +116,13 @@ class Extractor:
             return None
         with self._wake:
             place, ahead = self._places.get(event.key), 0
-            if place is not None and not event.delete and not each:
+            if place is not None and place.replaceable and not event.delete and not each:
                 if covering.needs_payload or place.ahead >= TUNING.none_gives_way or not self._goes(event.key):
                     self.superseded += 1
                     return place.supersede(event, payload, attachment)
                 ahead = place.ahead + 1
-            self._places.pop(event.key, None)
-            self._add(
-                _Place(event, event.key, covering, payload, attachment, ahead=ahead),
-                replaceable=covering.markovian and not event.delete and not each,
-            )
+            replaceable = covering.markovian and not event.delete and not each
+            self._add(_Place(event, event.key, covering, payload, attachment, replaceable, ahead=ahead))
             return None
 
     def _goes_at_once(self, event: SamplePublished, covering: InformationType) -> bool:
@@ -170,18 +170,17 @@ class Extractor:
             self._post_at(event.now, lambda: event)
             return
         with self._wake:
-            self._add(_Place(event, key, covering, payload, attachment), replaceable=False)
+            self._add(_Place(event, key, covering, payload, attachment))
 
-    def _add(self, place: _Place, *, replaceable: bool) -> None:
-        if replaceable:
-            self._places[place.key] = place
+    def _add(self, place: _Place) -> None:
+        self._places[place.key] = place
         if place.covering.needs_payload:
             self._jobs.append(place)
             if self._thread.ident is None:  # most specs look into no payload
                 self._thread.start()
             self._wake.notify()
         else:
-            self._post(place, TUNING.uptake_interval if replaceable and not place.ahead else 0.0)
+            self._post(place, TUNING.uptake_interval if place.replaceable and not place.ahead else 0.0)
 
     def _post(self, place: _Place, pause: float) -> None:
         """Let the loop take up the place when its time has come; the next one of its key `pause` [s] later."""

@@ -277,6 +277,19 @@ def test_what_has_no_features_goes_at_once_where_the_core_takes_it(led, loop):
     assert (taken[-1], loop.posted[-1].sample) == (ahead, 10)
 
 
+def test_what_comes_after_a_delete_waits_behind_it(loop):
+    """Though the core would take it at once: it does not know of the delete yet, which waits for its time."""
+    led, kind = [], Type(needs_payload=False)
+    kind.features = ()
+    extractor = Extractor(loop.post_at, lambda _: kind, lambda event: not event.delete and not led.append(event.sample))
+    for number in (1, 2, 3):
+        extractor.submit(sample(number, delete=number == 2), kind, payload(number))
+    assert led == [1]
+    loop.run()
+    extractor.submit(sample(4), kind, payload(4))
+    assert ([event.sample for event in loop.posted], led) == ([2, 3], [1, 4])
+
+
 def test_where_all_samples_of_a_key_go_none_gives_way_until_many_wait(loop):
     """Those of other keys give way as before, and so does what takes extraction."""
     with ExitStack() as stack:

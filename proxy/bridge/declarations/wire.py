@@ -86,6 +86,11 @@ RESTRICTED = 0x10
 """Flag of an interest: a key expression follows."""
 _QOS, _TARGET, _TIMEOUT = 0x1, 0x4, 0x6
 
+_FRAGMENT_QOS, _FIRST, _GIVEN_UP = 0x1, 0x2, 0x3
+"""Extensions of a fragment: its priority, and the marks of a message's first one and of a message that is given up."""
+_USUAL = 0x05
+"""The priority where none is said."""
+
 _DECLARED: dict[int, Kind] = {0x02: "subscriber", 0x04: "queryable", 0x06: "token"}
 _UNDECLARED: dict[int, Kind] = {0x03: "subscriber", 0x05: "queryable", 0x07: "token"}
 
@@ -95,7 +100,8 @@ class Batches:
 
     def __init__(self) -> None:
         self._buffer = bytearray()
-        self._fragments: dict[bool, bytearray] = {}
+        self._fragments: dict[tuple[bool, int], bytearray] = {}
+        """The messages of which not all parts have come, by whether they are reliable, and by priority."""
 
     def feed(self, data: bytes) -> Iterator[Message]:
         """Take in what the link carried. Raises WireError."""
@@ -122,19 +128,24 @@ class Batches:
                     yield from _network(data)
                 case 0x06:  # fragment
                     data.number()
-                    data.extensions(header)
-                    yield from self._fragment(header, data.rest())
+                    yield from self._fragment(header, data.extensions(header), data.rest())
                 case 0x00 | 0x01 | 0x02 | 0x03:  # handshake, close, out of band: fill their batch
                     return
                 case other:
                     raise WireError(f"a transport message of unknown kind {other:#x}")
 
-    def _fragment(self, header: int, part: bytes) -> Iterator[Message]:
-        reliable, more = bool(header & 0x20), bool(header & 0x40)
-        whole = self._fragments.setdefault(reliable, bytearray())
+    def _fragment(self, header: int, said: dict[int, int | bytes], part: bytes) -> Iterator[Message]:
+        """A part of a message. Those of several priorities come interleaved, and Zenoh may give one up half-way."""
+        more, qos = bool(header & 0x40), said.get(_FRAGMENT_QOS, _USUAL)
+        lane = bool(header & 0x20), (qos if isinstance(qos, int) else _USUAL) & 0x07
+        if _FIRST in said or _GIVEN_UP in said:
+            self._fragments.pop(lane, None)
+        if _GIVEN_UP in said:
+            return
+        whole = self._fragments.setdefault(lane, bytearray())
         whole += part
         if not more:
-            del self._fragments[reliable]
+            del self._fragments[lane]
             for message in _network(Cursor(bytes(whole))):
                 if not isinstance(message, Interest):  # which would say where it stands in its batch
                     yield message

@@ -220,7 +220,7 @@ class Disputes:
         met = (
             []
             if self._alone
-            else [p for p in self._view.newcomers.met_lately(now) if not self._view.newcomers.only_listens(p)]
+            else [p for p in self._view.newcomers.little_known(now) if not self._view.newcomers.only_listens(p)]
         )
         uses = {robot: [0.0] * len(limits) for robot in (me, *(peer.robot for peer in met))}
         for row, interval in zip(load, apart, strict=True):

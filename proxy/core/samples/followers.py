@@ -14,6 +14,8 @@ from proxy.core.samples.inbox import Inbox, Place, place
 
 class _Entry(NamedTuple):
     place: Place
+    key: str
+    """Samples of one key go in order, however each stands."""
     kind: Hashable
     """Samples of one kind find room in the same way."""
     use: tuple[float, ...]
@@ -35,14 +37,14 @@ class Followers:
 
     def lead(self, kind: Hashable, sample: Waiting, use: tuple[float, ...], opens_at: float) -> None:
         """A sample waits until there is room for it, at that time [s]."""
-        self._leaders[sample.sample] = _Entry(place(sample), kind, use, opens_at)
+        self._leaders[sample.sample] = _Entry(place(sample), sample.key, kind, use, opens_at)
 
     def follow(self, kind: Hashable, sample: Waiting, use: tuple[float, ...]) -> float | None:
         """Let a sample wait behind another one; return before when there is no room for it [s].
 
         None where no other one comes before it.
         """
-        leader = self._follow(_Entry(place(sample), kind, use))
+        leader = self._follow(_Entry(place(sample), sample.key, kind, use))
         return None if leader is None else leader.opens_at
 
     def release(self) -> None:
@@ -61,8 +63,12 @@ class Followers:
 
     def _follow(self, entry: _Entry) -> _Entry | None:
         for number, leader in self._leaders.items():
-            before = leader.place < entry.place and leader.kind == entry.kind
-            if before and all(ours >= theirs for ours, theirs in zip(entry.use, leader.use, strict=True)):
+            if leader.place < entry.place and (leader.key == entry.key or _finds_no_more(entry, leader)):
                 self._following.setdefault(number, []).append(entry)
                 return leader
         return None
+
+
+def _finds_no_more(entry: _Entry, leader: _Entry) -> bool:
+    """Whether there is no room for a sample before there is for another one."""
+    return entry.kind == leader.kind and all(a >= b for a, b in zip(entry.use, leader.use, strict=True))

@@ -116,6 +116,31 @@ def test_fragments_are_put_together():
     assert found == [Declared("token", 7, 0, "tok", senders=False, complete=False)]
 
 
+def test_parts_of_messages_of_several_priorities_come_interleaved():
+    """As where two applications send large queries. Each is put together by itself, reliable ones apart from others."""
+    other = TOKEN[:-1] + b"x"
+    parts = [
+        (0xE6, 0x03, TOKEN[:3]),
+        (0xE6, 0x05, other[:4]),
+        (0xC6, 0x03, b"lost"),
+        (0xA6, 0x03, TOKEN[3:]),
+        (0xA6, 0x05, other[4:]),
+    ]
+    batches = Batches()
+    found = [d for header, qos, part in parts for d in batches.feed(batch(bytes([header, 1, 0x21, qos]) + part))]
+    assert [each.suffix for each in found] == ["tok", "tox"]
+
+
+@pytest.mark.parametrize("mark", [0x02, 0x03], ids=["the next one begins", "a mark says so"])
+def test_a_message_that_is_given_up_half_way_spoils_no_later_one(mark):
+    """Where a link has no room for the rest of it."""
+    parts = [b"\x66\x01lost", bytes([0xE6, 2, mark]) + TOKEN[:3] * (mark == 0x02)]
+    parts += [] if mark == 0x02 else [b"\xe6\x03\x02" + TOKEN[:3]]
+    batches = Batches()
+    found = [d for part in (*parts, b"\x26\x04" + TOKEN[3:]) for d in batches.feed(batch(part))]
+    assert [each.suffix for each in found] == ["tok"]
+
+
 def test_a_keep_alive_may_precede_a_frame():
     """Keep-alives share batches with frames."""
     (declared,) = Batches().feed(batch(b"\x04" + frame(TOKEN)[2:]))

@@ -17,20 +17,20 @@ def followers(inbox):
     return Followers(inbox)
 
 
-def put(inbox, number, size, priority=5):
-    waiting = Waiting(number, f"k{number}", size, 0.01 * number, 1.0, priority, markovian=False)
+def put(inbox, number, size, priority=5, key=""):
+    waiting = Waiting(number, key or f"k{number}", size, 0.01 * number, 1.0, priority, markovian=False)
     inbox.put(waiting)
     assert inbox.take(lambda each: each is not waiting) is waiting
     inbox.put(waiting)
     return waiting, (float(size),)
 
 
-def rests(inbox, followers, number, size, **rest):
+def rests(inbox, followers, number, size, kind="", **rest):
     """A sample waits behind another one, or else for room that opens at 5.0; return when there is none before."""
     waiting, use = put(inbox, number, size, **rest)
-    before = followers.follow("", waiting, use)
+    before = followers.follow(kind, waiting, use)
     if before is None:
-        followers.lead("", waiting, use, 5.0)
+        followers.lead(kind, waiting, use, 5.0)
     inbox.rest(waiting, 9.0)
     return before
 
@@ -42,6 +42,13 @@ def test_what_comes_later_and_is_no_smaller_follows(inbox, followers):
     assert rests(inbox, followers, 3, 99) is None
     assert rests(inbox, followers, 4, 150, priority=4) is None
     assert followers
+
+
+def test_what_comes_later_of_a_key_follows_however_it_stands_and_however_small_it_is(inbox, followers):
+    """Where each counts they would go in another order than they came."""
+    assert rests(inbox, followers, 1, 100, key="k") is None
+    assert rests(inbox, followers, 2, 10, kind="other", key="k") == 5.0
+    assert rests(inbox, followers, 3, 10, kind="other") is None
 
 
 def test_when_its_leader_has_left_it_may_be_taken(inbox, followers):
