@@ -62,7 +62,7 @@ class Delivery:
     def open(self) -> None:
         """Hear the copies of samples that were kept for us."""
         handler = zenoh.handlers.Callback(self._deliver_copy, indirect=False)
-        ours = keys.kept(tag(str(self._mesh.zid())), "**")
+        ours = keys.kept(tag(str(self._mesh.zid())), "*/**")
         self._copies = self._mesh.declare_subscriber(ours, handler, allowed_origin=zenoh.Locality.REMOTE)
 
     @property

@@ -41,8 +41,11 @@ def digest(robot: str, tag: str) -> str:
 
 
 def kept(to: str, key: str) -> str:
-    """Where copies of samples of `key` go that were kept for the robot with the tag `to`."""
-    return f"{PREFIX}/{to}/kept/{key}"
+    """Where copies of samples of `key` go that were kept for the robot with the tag `to`.
+
+    Verbatim chunks are escaped, which no `**` matches.
+    """
+    return f"{PREFIX}/{to}/kept/{key.replace('%', '%25').replace('@', '%40')}"
 
 
 def backlog(to: str, tag: str) -> str:
@@ -52,7 +55,7 @@ def backlog(to: str, tag: str) -> str:
 
 def kept_of(key: str) -> str:
     """Return the key of the sample of which something on such a key is a copy."""
-    return key.split("/", 3)[3]
+    return key.split("/", 3)[3].replace("%40", "@").replace("%25", "%")
 
 
 def state(robot: str, tag: str) -> str:

@@ -6,6 +6,7 @@ replies up. There is no message for a query that its asker gave up: it ends with
 routers.
 """
 
+import logging
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -20,6 +21,9 @@ from proxy.bridge.fence import Fence
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.rules import ADVANCED, Direction
 from proxy.bridge.serial_executor import SerialExecutor
+from proxy.bridge.tuning import TUNING
+
+log = logging.getLogger(__name__)
 
 _NUMBERS = "_sn"
 """The parameter with which an advanced subscriber asks for samples by their numbers."""
@@ -152,7 +156,9 @@ class Queries:
             numbered = sample.source_info is None or self._numbered(key)
             if not numbered and sample.timestamp is None:
                 return
-        self._executor.offer(partial(self._answer, query, reply, numbered=numbered))
+        self._executor.await_room(TUNING.moving)  # as a router holds up who answers
+        if not self._executor.offer(partial(self._answer, query, reply, numbered=numbered)):
+            log.warning("a reply is lost: more come than the application takes")
 
     def _finish(self, query: zenoh.Query) -> None:
         self._executor.insist(partial(self._end, query))

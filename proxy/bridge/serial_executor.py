@@ -21,8 +21,11 @@ class SerialExecutor:
     def __init__(self, name: str, most: int = BOUNDS.jobs) -> None:
         self._most = most
         self._jobs: deque[Callable[[], object]] = deque()
-        self._wake = threading.Condition()
+        lock = threading.Lock()
+        self._wake, self._room = threading.Condition(lock), threading.Condition(lock)
         self._open = True
+        self._done, self._stuck_at = 0, -1
+        """How many jobs were done, and how many when somebody waited for one in vain."""
         self.refused = 0
         self._name = name
         self._thread: threading.Thread | None = None
@@ -34,6 +37,17 @@ class SerialExecutor:
             return False
         self.insist(job)
         return True
+
+    def await_room(self, patience: float) -> None:
+        """Wait until fewer jobs wait, but no longer than so [s]: for who brings more than can be done, and may wait.
+
+        Where that was in vain nobody waits again until something was done: that thread is stuck.
+        """
+        if len(self._jobs) < self._most or self._done == self._stuck_at:
+            return
+        with self._room:
+            if not self._room.wait_for(lambda: len(self._jobs) < self._most or not self._open, patience):
+                self._stuck_at = self._done
 
     def insist(self, job: Callable[[], object]) -> None:
         """Do `job` when its turn comes, however many wait."""
@@ -49,6 +63,7 @@ class SerialExecutor:
         with self._wake:
             self._open = False
             self._wake.notify()
+            self._room.notify_all()
         if self._thread is not None:
             self._thread.join(timeout)
 
@@ -60,6 +75,8 @@ class SerialExecutor:
                 if not self._open:
                     return
                 job = self._jobs.popleft()
+                self._room.notify_all()
+            self._done += 1
             try:
                 job()
             except zenoh.ZError as error:

@@ -108,7 +108,7 @@ class BridgeTuning:
     """Whoever brings a sample lets others leave for this long at most, for each 64 kB of it [s]."""
     push_back: float = 0.05
     """Passing traffic delays a decided sample by no more than this [s]."""
-    moving: float = 0.05
+    moving: float = 0.5
     """Full links move when a sample was sent so recently, for each 64 kB of the one in hand [s]: who publishes faster
     is slowed down then, not dropped."""
     slowed: int = 6

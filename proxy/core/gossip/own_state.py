@@ -36,17 +36,27 @@ def state_of(view: SharedView, mode: Mode) -> State:
 
 
 def shortened(state: State) -> tuple[State, int]:
-    """Return as much of a state as a message holds, without the latest streams, and how much that leaves out."""
-    streams = state.streams[: BOUNDS.streams]
+    """Return as much of a state as a message holds, without the latest streams, and how much that leaves out.
+
+    And without what others do not read: keys that are too long, and key expressions, on which applications may publish,
+    too. One of them would spoil the whole state: the others knew no subscription of the robot, took one copy for what
+    two robots got, and sent 1.9 limits.
+    """
+    streams = tuple([s for s in state.streams if "*" not in s.key and _is_readable(s.key)])[: BOUNDS.streams]
     while sum(len(s.key) + len(s.information_type) + len(s.schedule) for s in streams) > BOUNDS.text:
         streams = streams[: len(streams) // 2]
-    subscriptions = state.subscriptions[: BOUNDS.subscriptions]
+    subscriptions = tuple(filter(_is_readable, state.subscriptions))[: BOUNDS.subscriptions]
     while sum(map(len, subscriptions)) > BOUNDS.text // 2:
         subscriptions = subscriptions[: len(subscriptions) // 2]
     origins = state.origins[: BOUNDS.origins]
     left = len(state.streams) - len(streams) + len(state.subscriptions) - len(subscriptions)
     left += len(state.origins) - len(origins)
     return (replace(state, streams=streams, subscriptions=subscriptions, origins=origins), left) if left else (state, 0)
+
+
+def _is_readable(text: str) -> bool:
+    """Whether others take a key, or an expression, that is so long."""
+    return len(text.encode()) <= BOUNDS.key_bytes
 
 
 def differs(announced: State, state: State) -> bool:

@@ -47,7 +47,7 @@ def fields_of(data: bytes, most: int, least: int) -> list[Any]:
     known_version(*head(data, 1))
     try:
         fields = msgpack.unpackb(
-            data, max_array_len=TUNING.digest_bytes, max_map_len=0, max_str_len=1024, max_bin_len=32
+            data, max_array_len=TUNING.digest_bytes, max_map_len=0, max_str_len=TUNING.key_bytes, max_bin_len=32
         )
     except (ValueError, msgpack.UnpackException, RecursionError) as error:
         raise MalformedWireError(f"no msgpack: {error}") from error

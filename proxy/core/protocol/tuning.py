@@ -43,6 +43,8 @@ class ProtocolTuning:
     """Origins in a state."""
     text: int = 160_000
     """Letters in the keys of a state's streams, and half as many in its subscriptions."""
+    key_bytes: int = 1024
+    """The longest key, key expression or name [B]."""
     version_text: int = 64
     """Letters in the version of a daemon."""
     clock_error: float = 1.0

@@ -85,7 +85,7 @@ class Undecided:
 
     def unsettle(self) -> list[Command]:
         """Take back all that is undecided: specs changed, and no decision may mix old and new ones."""
-        taken = [*self.inbox.clear(), *self._search.cancel()]
+        taken = [*self._search.cancel(), *self.inbox.clear()]
         self._unsettled |= {waiting.sample: waiting for waiting in taken}
         return [Reread(each.sample, each.key) for each in self._unsettled.values()]
 

@@ -1,5 +1,6 @@
 """Keys of Sendworthy itself, and which expressions cross."""
 
+import pytest
 import zenoh
 
 from proxy.bridge import keys
@@ -24,12 +25,13 @@ def test_subscriptions_to_all_robots_match_each():
         assert zenoh.KeyExpr(all_robots).includes(one)
 
 
-def test_copies_go_where_one_robot_hears_them_and_tell_their_key():
+@pytest.mark.parametrize("alarm", ["robot/r1/alarm", "alarm/@cam/x", "@adv/a", "100%25/%40/a%b"])
+def test_copies_go_where_one_robot_hears_them_and_tell_their_key(alarm):
     """No application matches them, and neither does another robot."""
-    key = keys.kept("ab12cd34", "robot/r1/alarm")
-    assert keys.kept_of(key) == "robot/r1/alarm"
-    assert zenoh.KeyExpr(keys.kept("ab12cd34", "**")).includes(key)
-    assert not zenoh.KeyExpr(keys.kept("ab12cd35", "**")).intersects(key)
+    key = keys.kept("ab12cd34", alarm)
+    assert keys.kept_of(key) == alarm
+    assert zenoh.KeyExpr(keys.kept("ab12cd34", "*/**")).includes(key)
+    assert not zenoh.KeyExpr(keys.kept("ab12cd35", "*/**")).intersects(key)
     assert not keys.on_air(key)
 
 

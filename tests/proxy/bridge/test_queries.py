@@ -1,5 +1,6 @@
 """Queries between apps of different robots."""
 
+import threading
 from dataclasses import replace
 from functools import partial
 
@@ -14,6 +15,7 @@ from proxy.bridge.queries import Queries
 from proxy.bridge.rules import Direction
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.sides import open_sides
+from proxy.bridge.tuning import TUNING
 from proxy.config import AppConfig, MeshConfig
 from tests.proxy.bridge.declarations.test_wire import frame
 from tests.proxy.bridge.robots import fence_apps
@@ -298,6 +300,39 @@ def test_a_closed_far_side_is_an_error_and_ends_the_query(stack, executor):
     (answer,) = answers(asker, "service/a")
     assert answer.startswith("error: ")
     wait_until(lambda: not queries.pending, what="its end")
+
+
+@pytest.mark.parametrize(("patience", "loses"), [(60.0, False), (0.0, True)], ids=["it waits", "it cannot"])
+def test_who_answers_faster_than_answers_are_handed_on_waits(stack, monkeypatch, caplog, patience, loses):
+    """As at a router. What finds no place even so is said to be lost."""
+    monkeypatch.setattr(queries_module, "TUNING", replace(TUNING, moving=patience))
+    endpoint, executor, told = free_endpoint(), SerialExecutor("test", 8), []
+    stack.callback(executor.close, 1.0)
+    far = closing(stack, plain_session("peer", listen=(endpoint,)))
+    service = closing(stack, plain_session("peer", connect=(endpoint,)))
+
+    go, busy, ended = threading.Event(), threading.Event(), threading.Event()
+
+    def answer(query):
+        executor.insist(lambda: (busy.set(), go.wait(60.0)))
+        assert busy.wait(60.0)
+        with query:
+            for number in range(50):
+                query.reply(f"service/a/{number}", b"x")
+
+    queryable = service.declare_queryable("service/a", zenoh.handlers.Callback(answer, indirect=False))
+    querier = far.declare_querier("service/a")
+    wait_until(lambda: querier.matching_status.matching, what="the service")
+    _, asker = declared(stack, far, executor, open_fence())
+    handler = zenoh.handlers.Callback(lambda reply: told.append(str(reply.ok.key_expr)), ended.set, indirect=False)
+    asker.get("service/a", handler, timeout=60.0, accept_replies=zenoh.ReplyKeyExpr.ANY)
+    wait_until(lambda: executor.refused + len(executor._jobs) >= (50 if loses else 8), what="more than there is room for")
+    go.set()
+    assert ended.wait(60.0)
+    assert len(told) == 50 - executor.refused
+    assert caplog.text.count("a reply is lost") == executor.refused
+    assert (executor.refused > 0) is loses
+    queryable.undeclare()
 
 
 def test_a_query_waits_for_what_was_declared_before_it(stack, executor):

@@ -80,3 +80,37 @@ def test_a_full_lane_refuses_offers_but_not_what_must_be_done(stack):
     go.set()
     assert done.wait(60.0)
     assert executor.refused == 1
+
+
+def test_who_may_wait_waits_until_fewer_jobs_do(stack):
+    """And comes in then."""
+    executor = SerialExecutor("test", 1)
+    stack.callback(executor.close, 1.0)
+    go, started, done = threading.Event(), threading.Event(), threading.Event()
+    executor.await_room(60.0)
+    executor.offer(lambda: (started.set(), go.wait(60.0)))
+    assert started.wait(60.0)
+    executor.offer(lambda: None)
+    waiting = threading.Thread(target=lambda: (executor.await_room(60.0), executor.offer(done.set)))
+    waiting.start()
+    go.set()
+    assert done.wait(60.0)
+    waiting.join(60.0)
+    assert executor.refused == 0
+
+
+def test_nobody_waits_twice_for_a_thread_that_is_stuck(stack):
+    """Whoever brings something is held up once, until something is done again."""
+    executor = SerialExecutor("test", 1)
+    stack.callback(executor.close, 1.0)
+    go, started, done = threading.Event(), threading.Event(), threading.Event()
+    executor.offer(lambda: (started.set(), go.wait(60.0)))
+    assert started.wait(60.0)
+    executor.offer(done.set)
+    executor.await_room(0.01)
+    executor.await_room(1e6)
+    assert not executor.offer(lambda: None)
+    go.set()
+    assert done.wait(60.0)
+    executor.await_room(60.0)
+    assert executor.offer(lambda: None)

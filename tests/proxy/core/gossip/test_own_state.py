@@ -8,6 +8,7 @@ from proxy.core.gossip.own_state import as_announced, differs, shortened, state_
 from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import State, StreamState
+from proxy.core.protocol.state_codec import pack_state, unpack_state
 from proxy.core.protocol.tuning import TUNING
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView
@@ -86,3 +87,18 @@ def test_what_is_too_much_is_left_out_and_counted():
     short, left = shortened(replace(TOLD, streams=long, subscriptions=("k" * 1000,) * 100))
     assert (len(short.streams), len(short.subscriptions)) == (100, 50)
     assert shortened(TOLD) == (TOLD, 0)
+
+
+@pytest.mark.parametrize("key", ["robot/*", "robot/**", "k" * 1025, "ä" * 513])
+def test_what_others_do_not_read_is_left_out_and_spoils_nothing_else(key):
+    """An application may publish on a key expression, or on a key of any length."""
+    told = replace(TOLD, streams=(*TOLD.streams, replace(TOLD.streams[0], id=9, key=key)))
+    short, left = shortened(told)
+    assert (short, left) == (TOLD, 1)
+    assert [each.key for each in unpack_state(pack_state(short), "r1").streams] == ["a"]
+
+
+def test_subscriptions_that_others_do_not_read_are_left_out():
+    """Too long ones only."""
+    short, left = shortened(replace(TOLD, subscriptions=("a/*", "k" * 1025)))
+    assert (short.subscriptions, left) == (("a/*",), 1)
