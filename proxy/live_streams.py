@@ -39,7 +39,8 @@ def known(status: Status, key: str) -> Iterator[str]:
     yield f"what robot {robot} knows (mode {mode}{MEANT.get(mode, '')})"
     streams = streams_of(status, key)
     if not streams:
-        yield "  nothing of this key: no type of the specs in force covers it, or nobody on another robot wants it"
+        yield "  nothing of this key: no type of the specs in force covers it, nobody on another robot wants it, or"
+        yield "  bridge.out denies it or lets it pass"
     rows = [row for each in streams for row in _stream(each, several=len(streams) > 1)]
     yield from columns([*rows, *_decision(status, key), *_counts(status)], "ll")
 

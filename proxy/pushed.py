@@ -53,9 +53,13 @@ def gathered(paths: Iterable[Path]) -> dict[str, bytes]:
 
 
 class Folder:
-    """Where the specs of a daemon are. What was there before the last push stays beside it, as `<name>.previous`."""
+    """Where the specs of a daemon are. What was there before the last push stays beside it, as `<name>.previous`.
+
+    The same files pushed again, as after an answer that got lost, replace nothing: they would be the previous ones.
+    """
 
     def __init__(self, path: Path) -> None:
+        self._replaced = False
         self._path = path.resolve()
         self._staged = self._path.with_name(f"{self._path.name}.pushed")
         self._previous = self._path.with_name(f"{self._path.name}.previous")
@@ -65,17 +69,22 @@ class Folder:
         if self._path.is_file():
             raise PushError(f"{self._path} is a file; set specs.path to a folder, so that specs can be pushed")
         try:
+            if self._holds(files):
+                return
             self._stage(files)
             self._check_staged()
             shutil.rmtree(self._previous, ignore_errors=True)
             if self._path.exists():
                 self._path.rename(self._previous)
             self._staged.rename(self._path)
+            self._replaced = True
         except OSError as error:
             raise PushError(f"{self._path}: cannot be replaced: {error.strerror}") from None
 
     def undo(self) -> None:
-        """Put back what was there before the last push, if there was anything."""
+        """Put back what was there before this push, if there was anything."""
+        if not self._replaced:
+            return
         self._path.rename(self._staged)
         if self._previous.exists():
             self._previous.rename(self._path)
@@ -84,6 +93,12 @@ class Folder:
         """Finish what an interrupted push began: what was staged had been found right."""
         if not self._path.exists() and self._previous.exists() and self._staged.exists():
             self._staged.rename(self._path)
+
+    def _holds(self, files: Mapping[str, bytes]) -> bool:
+        """Whether exactly these files are there."""
+        if not self._path.is_dir() or {each.name for each in self._path.iterdir()} != set(files):
+            return False
+        return all((self._path / name).read_bytes() == content for name, content in files.items())
 
     def _stage(self, files: Mapping[str, bytes]) -> None:
         shutil.rmtree(self._staged, ignore_errors=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import zenoh
 
+from proxy.core.model.mode import Mode, in_force
 from proxy.core.samples.tuning import TUNING as SAMPLES
 from proxy.errors import ProxyError
 from proxy.tuning import TUNING
@@ -107,12 +108,19 @@ def _problem(core: Core, asked: str) -> str:
     expression = _expression(asked)
     if expression is None or "*" in asked:
         return what
-    covering = core.view.specs.match(asked)
+    return f"{what}; {_undecided(core, asked)}"
+
+
+def _undecided(core: Core, key: str) -> str:
+    """Say why there may be no decision on samples of a key; what the bridge denies or lets pass only that knows."""
+    covering = core.view.specs.match(key)
     if covering is None:
-        return f"{what}; no information type covers such a key, so its samples pass at once, undecided"
+        return "no information type covers such a key: its samples pass undecided, unless bridge.out denies them"
     if covering.bypass:
-        return f"{what}; information type {quoted(covering.name)} bypasses the planner, so its samples pass at once"
-    return f"{what}; no sample of it came, or nobody on another robot wants it"
+        return f"information type {quoted(covering.name)} bypasses the planner, so its samples pass at once"
+    if in_force(core.gate.appraisal.mode, covering.mode) is Mode.PASS:
+        return f"in mode pass samples of information type {quoted(covering.name)} pass at once"
+    return "no sample of it came, nobody on another robot wants it, or bridge.out denies it or lets it pass"
 
 
 def _expression(text: str) -> zenoh.KeyExpr | None:

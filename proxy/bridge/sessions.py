@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import zenoh
@@ -39,6 +39,7 @@ PRIVATE = "sendworthy-private-"
 """Marks endpoints that are nobody's business but ours."""
 
 _TCP = ("tcp/", "tls/")
+_SECURED = ("tls", "quic")
 _BUFFERS = f"so_sndbuf={TUNING.socket_buffer};so_rcvbuf={TUNING.socket_buffer}"
 
 
@@ -111,6 +112,7 @@ def mesh_options(
         "transport": {
             "shared_memory": {"enabled": False},
             "link": {
+                **_protocols([*listen, *connect]),
                 "tx": {**_lease([*listen, *connect], zenoh_options), "batch_size": TUNING.batch, "queue": QUEUES},
                 # For links that scouting finds; endpoints carry their own.
                 "tcp": {"so_sndbuf": TUNING.socket_buffer, "so_rcvbuf": TUNING.socket_buffer},
@@ -136,6 +138,15 @@ def mirror_options(mode: str, endpoint: str, zenoh_options: Mapping[str, Any]) -
             "link": {"tx": {"lease": TUNING.lease_inside}},
         },
     }
+
+
+def _protocols(endpoints: Sequence[str]) -> dict[str, list[str]]:
+    """Return which protocols links may have, where all `endpoints` are secured: those, and the one within the process.
+
+    Scouting finds who answers, whatever they speak, and both sides of a plain link would be linked without a word.
+    """
+    spoken = {endpoint.partition("/")[0] for endpoint in endpoints}
+    return {"protocols": [*sorted(spoken), "unixsock-stream"]} if spoken and spoken <= set(_SECURED) else {}
 
 
 def bounded(endpoint: str) -> str:

@@ -17,7 +17,8 @@ def team(status: Status, config: Config | None) -> Iterator[Finding]:
     """Look at everything that the daemon here knows. Without a `config` it is compared with none."""
     told = warnings(status)
     yield from _daemon(status, config, [text for text in told if CURE not in text])
-    yield from _applications(status, [text for text in told if CURE in text])
+    relayed = config is not None and config.mesh.relayed
+    yield from _applications(status, [text for text in told if CURE in text], relayed=relayed)
     yield from _peers(status["version"], status["peers"])
 
 
@@ -48,14 +49,17 @@ def _differences(status: Status, config: Config) -> str:
     return f"the daemon here has {' and '.join(found)}" if found else ""
 
 
-def _applications(status: Status, told: Sequence[str]) -> Iterator[Finding]:
-    """Look for what is linked to the mesh from this host itself, and is no daemon."""
+def _applications(status: Status, told: Sequence[str], *, relayed: bool) -> Iterator[Finding]:
+    """Look for what is linked to the mesh from this host itself, and is no daemon.
+
+    Where all is `relayed` only the routers are that it dials, which may well be on this host.
+    """
     known = {peer["zid"] for peer in status["peers"]}
     strangers = {link["zid"]: link["destination"] for link in status["daemon"]["links"] if link["zid"] not in known}
     linked = [
         f"the Zenoh process {zid} of this robot is on the mesh itself, around the daemon, at {place}: {CURE}"
         for zid, place in strangers.items()
-        if _here(place) and not any(zid in text for text in told)
+        if _here(place) and not relayed and not any(zid in text for text in told)
     ]
     yield from _around([*told, *linked])
 

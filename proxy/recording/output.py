@@ -235,6 +235,7 @@ class Output:
 
     def _fail(self, error: OSError) -> None:
         reason = os.strerror(error.errno) if error.errno else str(error)
+        reason = f"{error.filename}: {reason}" if error.filename else reason
         if self.written.problem != reason:
             log.error("recording: %s; the record says what is missing", reason)
         self.written = replace(self.written.lacking(self._in_hand.events), problem=reason)

@@ -56,7 +56,7 @@ TEAM = Glossary(
         "coordination split": "each robot has a part of every limit",
         "transport unicast": "a sample goes to each robot that wants it, one after the other",
         "transport broadcast": "a sample goes to all robots at once",
-        "takes no part": "a robot that this one does not understand: others plan without it",
+        "takes no part": "a robot with other limits, or that this one does not understand: others plan without it",
     },
 )
 SAMPLES = Glossary(

@@ -16,6 +16,8 @@ from proxy.top.view import View
 
 WIDTH = 160
 """How wide it is where there is no terminal."""
+USUAL = os.terminal_size((80, 24))
+"""How large a terminal is taken to be that does not say, as a serial console."""
 
 
 def once(endpoints: Sequence[str], view: View, interval: float) -> bool:
@@ -55,8 +57,9 @@ def _run(display: Live, asking: Asking, keys: Keyboard, view: View) -> None:
     while not view.done:
         # As it is now: rich would believe an environment that says how large the terminal was.
         size = os.get_terminal_size(sys.stdout.fileno())
-        display.console.size = ConsoleDimensions(size.columns, size.lines)
-        lines = frame(asking.scene, view, size.columns, size.lines)
+        columns, rows = size.columns or USUAL.columns, size.lines or USUAL.lines
+        display.console.size = ConsoleDimensions(columns, rows)
+        lines = frame(asking.scene, view, columns, rows)
         display.update(Text("\n", end="").join(map(_text, lines)), refresh=True)
         pressed = keys.read()
         if pressed is None:

@@ -52,7 +52,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     add("files", metavar="FILE", nargs="+", type=Path, help="recordings: all parts of one, or those of several robots")
     add("--specs", metavar="PATH", action="append", type=Path, help="utility specs instead of the recorded ones")
     add("--limit", metavar="RATE", type=_rate, help="throughput instead of that of the specs, such as '2 Mbit/s'")
-    add("--robots", metavar="NAME", nargs="+", help="only the traffic of these robots")
+    add("--robots", metavar="NAME,...", action="append", help="only the traffic of these robots")
     add(
         "--policy",
         choices=POLICIES,

@@ -129,10 +129,21 @@ def test_a_push_can_be_undone(path):
     folder.put({"new.toml": OTHER})
     folder.undo()
     assert contents(path) == {"old.toml": GOOD}
-    fresh = path.parent / "fresh.d"
-    Folder(fresh).put({"new.toml": OTHER})
-    Folder(fresh).undo()
-    assert not fresh.exists()
+    fresh = Folder(path.parent / "fresh.d")
+    fresh.put({"new.toml": OTHER})
+    fresh.undo()
+    assert not (path.parent / "fresh.d").exists()
+
+
+def test_the_same_files_pushed_again_replace_nothing(path):
+    """What was there before them is still to be had; nor is there anything to undo then."""
+    before = path.with_name(f"{path.name}.previous")
+    for _ in range(2):
+        folder = Folder(path)
+        folder.put({"new.toml": OTHER})
+        assert (contents(path), contents(before)) == ({"new.toml": OTHER}, {"old.toml": GOOD})
+    folder.undo()
+    assert contents(path) == {"new.toml": OTHER}
 
 
 def test_an_interrupted_push_is_finished(path):

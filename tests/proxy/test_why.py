@@ -7,6 +7,7 @@ import pytest
 from proxy import why
 from proxy.core.core import Core
 from proxy.core.interface import events as ev
+from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
 from proxy.tuning import TUNING
 from proxy.why import Question, QuestionError, answer, meant, read
@@ -58,7 +59,7 @@ def test_a_stream_is_named_by_its_key_a_part_or_an_expression(core, asked, keys)
         ("camera", 'is a part of several keys: "robot/r1/camera/left", "robot/r1/camera/right"'),
         ("robot/r1/mpa", '(did you mean "robot/r1/map"?); no information type covers such a key'),
         ("robot/r1/stop", "bypasses the planner"),
-        ("robot/r1/camera/rear", "no sample of it came, or nobody on another robot wants it"),
+        ("robot/r1/camera/rear", "nobody on another robot wants it, or bridge.out denies it or lets it pass"),
         ("robot/r2/map", "is published by robot r2, whose own daemon decides on it"),
         ("a//b", 'no decision was made on "a//b" (known: '),
         ("x/*", 'no decision was made on "x/*" (known: '),
@@ -67,6 +68,12 @@ def test_a_stream_is_named_by_its_key_a_part_or_an_expression(core, asked, keys)
 def test_where_no_stream_is_meant_it_is_said_why(core, asked, said):
     """With what may have been meant."""
     assert said in answer(core, 1.0, Question(asked))["problem"]
+
+
+def test_in_mode_pass_nothing_is_decided_and_that_is_said(core):
+    """Of a covered key that no sample of came before."""
+    core.handle(ev.ModeChanged(1.0, Mode.PASS))
+    assert "in mode pass samples of" in answer(core, 1.0, Question("robot/r1/camera/rear"))["problem"]
 
 
 def test_of_too_many_streams_some_are_only_named(core, monkeypatch):

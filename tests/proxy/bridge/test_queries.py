@@ -326,7 +326,7 @@ def test_who_answers_faster_than_answers_are_handed_on_waits(stack, monkeypatch,
     _, asker = declared(stack, far, executor, open_fence())
     handler = zenoh.handlers.Callback(lambda reply: told.append(str(reply.ok.key_expr)), ended.set, indirect=False)
     asker.get("service/a", handler, timeout=60.0, accept_replies=zenoh.ReplyKeyExpr.ANY)
-    wait_until(lambda: executor.refused + len(executor._jobs) >= (50 if loses else 8), what="more than there is room for")
+    wait_until(lambda: executor.refused + len(executor._jobs) >= (50 if loses else 8), what="more than finds room")
     go.set()
     assert ended.wait(60.0)
     assert len(told) == 50 - executor.refused

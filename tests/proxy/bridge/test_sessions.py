@@ -45,6 +45,23 @@ def test_tcp_endpoints_get_small_buffers_unless_they_say_their_own(endpoint, exp
     assert bounded(endpoint) == expected
 
 
+@pytest.mark.parametrize(
+    ("listen", "connect", "protocols"),
+    [
+        ("tls/0.0.0.0:7500", "tls/r2:7500", ["tls", "unixsock-stream"]),
+        ("tls/0.0.0.0:7500", "quic/r2:7500", ["quic", "tls", "unixsock-stream"]),
+        ("tls/0.0.0.0:7500", "tcp/r2:7500", None),
+        ("tcp/0.0.0.0:7500", "tcp/r2:7500", None),
+    ],
+)
+def test_where_all_endpoints_are_secured_no_other_link_is_made(listen, connect, protocols):
+    """Scouting finds whoever answers: a plain node was dialled, heard all, and was heard."""
+    options = mesh(listen, [connect], scouting=True)
+    config = zenoh.Config.from_json5(json.dumps(options))
+    assert options["transport"]["link"].get("protocols") == protocols
+    assert json.loads(config.get_json("transport/link/protocols")) == protocols
+
+
 @pytest.mark.parametrize("scouting", [True, False])
 def test_zenoh_accepts_the_options_and_reads_what_is_meant(scouting):
     """Zenoh's own reader takes both configurations; without scouting nothing is connected by itself."""

@@ -94,6 +94,14 @@ def screen():
         each.close()
 
 
+def test_a_terminal_that_does_not_say_how_large_it_is_shows_it_all_the_same(daemon, screen):
+    """As a serial console."""
+    top = screen("--connect", daemon.endpoint, "--interval", "0.2", width=0, height=0)
+    top.shows("robot r1   mode ")
+    top.press("q")
+    assert top.end() == (0, True)
+
+
 def test_every_key_does_what_it_says(daemon, screen):
     """The terminal is given back when it quits."""
     top = screen("--connect", daemon.endpoint, "--interval", "0.2")

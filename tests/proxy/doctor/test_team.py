@@ -9,6 +9,7 @@ from proxy.doctor.team import alone, team
 from proxy.version import version
 
 HERE = "tcp/127.0.0.1:17447"
+PLACE = "tcp/127.0.0.1:17850"
 CONFIG = Config(robot="r1", app=AppConfig(listen=(HERE,)), mesh=MeshConfig(listen=()))
 
 
@@ -78,6 +79,15 @@ def test_a_process_of_this_robot_on_the_mesh_is_a_finding(place):
     told = f"the application abc of this robot is on the mesh itself, around its daemon, at {place}: {CURE}"
     _, findings = look(status(peer("r2"), links=links, warnings=[told]))
     assert findings == [("applications", told)]
+
+
+def test_a_router_of_this_host_that_the_daemon_dials_is_no_application():
+    """As on an operator's machine, where zenohd runs beside it."""
+    dials = Config(robot="r1", app=CONFIG.app, mesh=MeshConfig(mode="client", connect=(PLACE,)))
+    told = status(links=[("abc", PLACE)])
+    fine, _ = look(told, dials)
+    assert fine["applications"] == "none is seen around the daemon"
+    assert "applications" in dict(look(told)[1])
 
 
 def test_a_daemon_that_is_not_what_is_installed_and_configured_is_a_finding():

@@ -231,5 +231,5 @@ def test_a_folder_that_cannot_be_is_told(tmp_path):
     (tmp_path / "specs.toml").write_text(SPECS)
     output.add((3, ev.SpecsChanged(1.0, load_specs(tmp_path / "specs.toml")), (), "", None))
     output.close("stopped")
-    assert output.written.problem == "File exists"
+    assert output.written.problem == f"{tmp_path}/file: File exists"
     assert output.written.missing == 4

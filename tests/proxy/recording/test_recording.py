@@ -124,7 +124,9 @@ def test_where_nothing_can_be_recorded_the_daemon_goes_on(stack, tmp_path):
     (tmp_path / "recordings").write_text("a file stands in the way")
     robot = Robot(stack, tmp_path, on=True)
     robot.publish()
-    assert any("nothing is recorded: File exists" in warning for warning in robot.status()["warnings"])
+    assert any(
+        f"nothing is recorded: {tmp_path}/recordings: File exists" in each for each in robot.status()["warnings"]
+    )
 
 
 def test_without_the_extra_it_says_which_to_install(robot, monkeypatch):

@@ -45,7 +45,7 @@ def place(tmp_path, monkeypatch):
 
 
 def replay(*arguments, file="traffic.mcap"):
-    code = main(["replay", file, "--json", "found.json", *map(str, arguments)])
+    code = main(["replay", "--json", "found.json", *map(str, arguments), file])
     return code, json.loads(Path("found.json").read_text()) if code == exit_codes.OK else None
 
 
