@@ -134,7 +134,8 @@ class Ingress:
         source = sample.source_info if course.numbered else None
         held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload), source)
         self._demand.note(key, sample, covered=course.covering is not None)
-        if course.passes is not None:
+        # Behind what waits for a decision: that had no turn yet when the mode became `pass`.
+        if course.passes is not None and (course.covering is None or not self._payloads.holds(key)):
             self._egress.pass_on(course.passes, held)
         elif course.covering is not None:
             self._hold(now, held, origin, course.covering, each=course.each)

@@ -39,6 +39,10 @@ class Payloads:
         self._waiting[number] = held
         return number
 
+    def holds(self, key: str) -> bool:
+        """Whether a sample of a key waits."""
+        return bool(self._waiting) and any(held.key == key for held in list(self._waiting.values()))
+
     def waiting(self, number: int) -> Held | None:
         """Return a sample that waits; None when it does not (any more)."""
         return self._waiting.get(number)

@@ -73,7 +73,7 @@ def test_a_daemon_that_cannot_record_is_told(start, tmp_path, capsys):
     running = start("--robot", "r1", "--record.folder", str(tmp_path / "file"))
     running.wait_for("sendworthy ")
     assert record(running) == exit_codes.FAILED
-    assert capsys.readouterr().err == "sendworthy record: the daemon cannot record: File exists\n"
+    assert capsys.readouterr().err == f"sendworthy record: the daemon cannot record: {tmp_path}/file: File exists\n"
     assert record(running, "--off") == exit_codes.FAILED
 
 
