@@ -231,7 +231,8 @@ class Bridge:
 
     def warnings(self) -> list[str]:
         """Name what is dialled and not linked, and what is declared and not mirrored."""
-        return [*self._links.warnings(), *self._app_links.warnings(), *self._rules.warnings()]
+        found = (self._links, self._app_links, self._rules, self._mirroring)
+        return [warning for each in found for warning in each.warnings()]
 
 
 def _demand(config: Config, sides: Sides, core: CoreLink) -> Demand:

@@ -109,6 +109,10 @@ class Mirroring:
         self._retained = dict.fromkeys(expressions, False)
         self._wake.set()
 
+    def warnings(self) -> list[str]:
+        """Say which declarations cannot be followed."""
+        return [*self._apps.warnings(), *self._others.warnings()]
+
     def flush(self) -> bool:
         """Report what passed without a decision since the last time; whether anything did."""
         passed = self._passed.take(clock.monotonic())

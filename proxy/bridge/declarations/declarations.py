@@ -34,6 +34,7 @@ class Declarations:
         changed: Callable[[], None],
     ) -> None:
         self._everything = CROSSING if side == "app" else INGRESS
+        self._side = side
         self._table = DeclarationTable(changed)
         self._mirror = MirrorSession(main, endpoint, self._table, side=side, mode=mode, zenoh_options=zenoh_options)
         self._witnesses = Witnesses(main, changed)
@@ -45,6 +46,14 @@ class Declarations:
     def edition(self) -> int:
         """Grows with every change of what is declared."""
         return self._table.edition
+
+    def warnings(self) -> list[str]:
+        """Say that what is declared cannot be followed any more, if so."""
+        what = "applications" if self._side == "app" else "other robots"
+        news = (
+            f"what {what} declare cannot be followed: new queryables and tokens of theirs do not cross until a restart"
+        )
+        return [news] if self._table.broken else []
 
     @property
     def keeps_source(self) -> bool:
