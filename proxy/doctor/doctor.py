@@ -43,8 +43,9 @@ def examine(read: Callable[[], Layered], where: str | None) -> Iterator[Finding]
 def _host(config: Config, status: Status | None) -> Iterator[Finding]:
     """Look at what there is without other robots."""
     listen = (*present(config.app.listen, ipv6=has_ipv6()), *config.mesh.listens)
-    daemon = status["daemon"] if status else {"app": (), "mesh": ()}
-    yield from ports(listen, (*daemon["app"], *daemon["mesh"]))
+    metrics = (f"tcp/{config.metrics.listen}",) if config.metrics.listen else ()
+    ours = (*status["daemon"]["app"], *status["daemon"]["mesh"], *metrics) if status else ()
+    yield from ports((*listen, *metrics), ours)
     yield from radio(config.mesh, running=status is not None)
     yield from wall_clock(config)
     yield from specs(config.specs.path)

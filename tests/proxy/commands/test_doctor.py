@@ -76,6 +76,15 @@ def test_what_is_wrong_is_said_in_one_line_each(doctor, file, stack):
     assert wrong[2][1].startswith(f"{spec}:3: ")
 
 
+def test_the_port_of_the_metrics_is_looked_at_too(doctor, stack):
+    """Else the daemon would say so when it starts."""
+    port = free_port()
+    closing(stack, plain_session("router", listen=(f"tcp/127.0.0.1:{port}",)))
+    _, found = doctor("--metrics.listen", f"127.0.0.1:{port}")
+    (wrong,) = [text for state, check, text in found if (state, check) == ("finding", "port")]
+    assert wrong.startswith(f"tcp/127.0.0.1:{port}: another process")
+
+
 def test_a_wrong_configuration_is_named_and_the_daemon_asked_all_the_same(daemon, doctor, file):
     """In whichever layer it is wrong."""
     (file.parent / "conf.d").mkdir()
