@@ -56,7 +56,8 @@ class Recording:
     def start(self, *, payloads: bool, whole: bool = False) -> None:
         """Record from now on; `whole`: the core has seen nothing yet. Raises RecordingError where that cannot be."""
         if self._on:
-            raise RecordingError(f"it records already, to {self.describe()['file']}")
+            where = self.describe()["file"]
+            raise RecordingError(f"it records already, to {where}" if where else "it records already")
         try:
             from proxy.recording.output import Output  # noqa: PLC0415 - an extra
             from proxy.recording.recorder import Recorder  # noqa: PLC0415 - needs it, too

@@ -183,6 +183,16 @@ def test_the_core_learns_when_somebody_begins_and_ceases_to_want_a_key(pair):
     ]
 
 
+@pytest.mark.parametrize("expression", ["**/*", "**"])
+def test_an_app_that_wants_everything_hears_the_other_robot_however_it_says_so(pair, expression):
+    """`**/*` is `*/**` to Zenoh, as our own subscriptions are where declarations cannot be followed."""
+    heard = Heard(pair[1].node(), zenoh.KeyExpr.autocanonize(expression))
+    app = pair[0].node()
+    wait_matching(app, "free/a")
+    app.put("free/a", "x", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: heard.payloads == ["x"], what="the sample")
+
+
 def break_wire(declarations):
     """Let it read what no Zenoh of today writes."""
     declarations._table.read(frame(b"\x0a"), inward=True)
