@@ -93,7 +93,7 @@ def test_an_unknown_key_is_said_to_be_one():
     lines = list(known(STATUS, "other"))
     assert lines[1].startswith("  nothing of this key: ")
     assert not any("last one" in line for line in lines)
-    assert len(list(known({"robot": "r1"}, "other"))) == 2
+    assert len(list(known({"robot": "r1"}, "other"))) == 3
 
 
 @pytest.mark.parametrize(

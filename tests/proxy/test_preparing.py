@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -117,6 +118,9 @@ def loop(specs, monkeypatch):
     loop.start()
     yield loop
     loop.close(1.0)
+    for thread in threading.enumerate():
+        if thread.name == "prepare":  # what it imports must not be taken from it half-way
+            thread.join(60.0)
 
 
 def test_what_a_market_computes_with_is_loaded_with_the_first_stream_that_a_spec_covers(loop):
