@@ -14,9 +14,10 @@ MESH_GROUP = "224.0.0.225:7448"
 """Not Zenoh's default group: the mesh session would link to the robot's own app side."""
 
 
-_DATA = "data_high", "data", "data_low"
+WAITING = dict.fromkeys(("data_high", "data", "data_low"), TUNING.pieces_waiting)
+"""How much waits in Zenoh's queues for samples, on each side."""
 QUEUES = {
-    "size": dict.fromkeys(_DATA, TUNING.batches_waiting),
+    "size": WAITING,
     "congestion_control": {
         "drop": {
             "wait_before_drop": TUNING.full_link_wait,
@@ -25,9 +26,7 @@ QUEUES = {
         "block": {"wait_before_close": TUNING.full_link_closes},
     },
 }
-"""Zenoh's queues for samples on the mesh."""
-APP_QUEUES = dict.fromkeys(_DATA, TUNING.pieces_waiting)
-"""How much waits in those for an app."""
+"""Zenoh's queues on the mesh."""
 THREADS = (
     f"(tx: (worker_threads: {TUNING.threads_sending}), rx: (worker_threads: {TUNING.threads_receiving}), "
     f"net: (worker_threads: {TUNING.threads_linking}), acc: (handover: app))"
@@ -69,7 +68,7 @@ def app_options(
             "gossip": {"enabled": True},
         },
         "timestamping": {"enabled": False},
-        "transport": {"shared_memory": {"enabled": False}, "link": {"tx": {"queue": {"size": APP_QUEUES}}}},
+        "transport": {"shared_memory": {"enabled": False}, "link": {"tx": {"queue": {"size": WAITING}}}},
         "adminspace": {"enabled": True, "permissions": {"read": True, "write": False}},
     }
     return merged(options, zenoh_options)

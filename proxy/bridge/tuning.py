@@ -14,11 +14,9 @@ class BridgeTuning:
     """Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than a robot may be silent. With half of
     this samples of 40 kB cross at 55 to 58 % of a router's rate, and cross at 65 to 70; beside them urgent small ones
     take as long, as the kernel's buffers hold more than a piece."""
-    batches_waiting: int = 4
-    """Pieces that wait in each of Zenoh's queues for samples on the mesh..."""
     pieces_waiting: int = 8
-    """... and for an app. Of bursts of 5,000 samples of 1 kB that nobody has to wait for an app's link lost 2 % with
-    Zenoh's two pieces of 64 kB, nothing with eight."""
+    """Pieces that wait in each of Zenoh's queues for samples, on the mesh and for an app. Of bursts of 5,000 samples of
+    1 kB that nobody has to wait for an app's link lost 2 % with Zenoh's two pieces of 64 kB, nothing with eight."""
     full_link_wait: int = 1000
     """A publication waits this long for a full link before its sample is dropped there [µs]."""
     full_link_wait_pieces: int = 50_000
