@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Self, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from proxy.config_values import (
+    SECURED,
     FleetToken,
     HttpAddress,
     Interface,
@@ -99,7 +100,7 @@ class MeshConfig(Section):
     @property
     def secured(self) -> bool:
         """Whether robots know by TLS who speaks, at least on some links."""
-        return any(endpoint.startswith(("tls/", "quic/")) for endpoint in (*self.listens, *self.connect))
+        return any(endpoint.partition("/")[0] in SECURED for endpoint in (*self.listens, *self.connect))
 
     @property
     def listens(self) -> tuple[str, ...]:

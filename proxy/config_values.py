@@ -17,7 +17,9 @@ FORBIDDEN = "/*$#?"
 HOST_AND_PORT = re.compile(r"(?P<host>\[[0-9A-Fa-f:.%\w]+\]|[^\[\]:\s]+):(?P<port>\d+)")
 SCOUTING = {"224.0.0.224:7446": "Zenoh", "224.0.0.225:7448": "Sendworthy"}
 """Groups on which robots are found."""
-ON_HOSTS = ("tcp", "udp", "tls", "quic", "ws")
+SECURED = ("tls", "quic")
+"""Protocols by which robots know who speaks."""
+ON_HOSTS = ("tcp", "udp", *SECURED, "ws")
 ELSEWHERE = ("unixsock-stream", "unixpipe", "vsock", "serial")
 
 

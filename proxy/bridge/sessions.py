@@ -8,6 +8,7 @@ from typing import Any
 import zenoh
 
 from proxy.bridge.tuning import TUNING
+from proxy.config_values import SECURED
 from proxy.errors import PortInUseError, SessionError
 
 MESH_GROUP = "224.0.0.225:7448"
@@ -38,7 +39,6 @@ PRIVATE = "sendworthy-private-"
 """Marks endpoints that are nobody's business but ours."""
 
 _TCP = ("tcp/", "tls/")
-_SECURED = ("tls", "quic")
 _BUFFERS = f"so_sndbuf={TUNING.socket_buffer};so_rcvbuf={TUNING.socket_buffer}"
 
 
@@ -145,7 +145,7 @@ def _protocols(endpoints: Sequence[str]) -> dict[str, list[str]]:
     Scouting finds who answers, whatever they speak, and both sides of a plain link would be linked without a word.
     """
     spoken = {endpoint.partition("/")[0] for endpoint in endpoints}
-    return {"protocols": [*sorted(spoken), "unixsock-stream"]} if spoken and spoken <= set(_SECURED) else {}
+    return {"protocols": [*sorted(spoken), "unixsock-stream"]} if spoken and spoken <= set(SECURED) else {}
 
 
 def bounded(endpoint: str) -> str:

@@ -67,13 +67,19 @@ def test_a_job_that_fails_does_not_stop_the_executor(executor, caplog):
     assert "test: a job failed" in caplog.text
 
 
-def test_a_full_lane_refuses_offers_but_not_what_must_be_done(stack):
-    """Offers beyond the bound are counted and refused."""
-    executor = SerialExecutor("test", 1)
+def held(stack):
+    """Return an executor that lets one job wait, and has one in hand until the event is set."""
+    executor, go, started = SerialExecutor("test", 1), threading.Event(), threading.Event()
     stack.callback(executor.close, 1.0)
-    go, started, done = threading.Event(), threading.Event(), threading.Event()
     executor.offer(lambda: (started.set(), go.wait(60.0)))
     assert started.wait(60.0)
+    return executor, go
+
+
+def test_a_full_lane_refuses_offers_but_not_what_must_be_done(stack):
+    """Offers beyond the bound are counted and refused."""
+    executor, go = held(stack)
+    done = threading.Event()
     assert executor.offer(lambda: None)
     assert not executor.offer(lambda: None)
     executor.insist(done.set)
@@ -84,12 +90,9 @@ def test_a_full_lane_refuses_offers_but_not_what_must_be_done(stack):
 
 def test_who_may_wait_waits_until_fewer_jobs_do(stack):
     """And comes in then."""
-    executor = SerialExecutor("test", 1)
-    stack.callback(executor.close, 1.0)
-    go, started, done = threading.Event(), threading.Event(), threading.Event()
+    executor, go = held(stack)
+    done = threading.Event()
     executor.await_room(60.0)
-    executor.offer(lambda: (started.set(), go.wait(60.0)))
-    assert started.wait(60.0)
     executor.offer(lambda: None)
     waiting = threading.Thread(target=lambda: (executor.await_room(60.0), executor.offer(done.set)))
     waiting.start()
@@ -101,11 +104,8 @@ def test_who_may_wait_waits_until_fewer_jobs_do(stack):
 
 def test_nobody_waits_twice_for_a_thread_that_is_stuck(stack):
     """Whoever brings something is held up once, until something is done again."""
-    executor = SerialExecutor("test", 1)
-    stack.callback(executor.close, 1.0)
-    go, started, done = threading.Event(), threading.Event(), threading.Event()
-    executor.offer(lambda: (started.set(), go.wait(60.0)))
-    assert started.wait(60.0)
+    executor, go = held(stack)
+    done = threading.Event()
     executor.offer(done.set)
     executor.await_room(0.01)
     executor.await_room(1e6)
