@@ -1,7 +1,6 @@
 """Whether the ports of this robot are free, or those of its own daemon."""
 
 import errno
-import os
 import re
 import socket
 from collections.abc import Iterable, Iterator
@@ -77,9 +76,16 @@ def _holder(port: int) -> str:
     sockets = {f"socket:[{inode}]" for inode in _inodes(port)}
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # it has ended meanwhile, or belongs to another user
-            if sockets.intersection(map(os.readlink, (process / "fd").iterdir())):
+            if sockets.intersection(_open_files(process)):
                 return f", {(process / 'comm').read_text().strip()} (pid {process.name}),"
     return ""
+
+
+def _open_files(process: Path) -> Iterator[str]:
+    """Yield what a process has open: it may close one while the others are looked at."""
+    for each in (process / "fd").iterdir():
+        with suppress(FileNotFoundError):
+            yield str(each.readlink())
 
 
 def _inodes(port: int) -> Iterator[str]:

@@ -49,6 +49,21 @@ def test_another_process_is_named(taken):
     assert f"another process, {name} (pid {os.getpid()}), has this port" in text
 
 
+def test_a_process_is_named_that_closes_a_file_meanwhile(taken, monkeypatch):
+    """Whoever opens and closes many is not overlooked."""
+    port, readlink, gone = taken(socket.SOCK_STREAM), os.readlink, []
+
+    def closing(file):
+        if Path(file).parent.parent.name == str(os.getpid()) and not gone:
+            gone.append(file)
+            raise FileNotFoundError(file)
+        return readlink(file)
+
+    monkeypatch.setattr(os, "readlink", closing)
+    assert f"(pid {os.getpid()})" in look(f"tcp/0.0.0.0:{port}")[1]
+    assert gone
+
+
 def test_a_port_of_udp_may_be_taken_too(taken):
     """And that of TCP with the same number is another one."""
     port = taken(socket.SOCK_DGRAM)
