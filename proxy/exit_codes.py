@@ -9,6 +9,8 @@ NOT_SEEN = 2
 """Nothing is wrong as far as could be looked, but not everything could be looked at (`sendworthy doctor`)."""
 UNAVAILABLE = 69
 """The daemon cannot run here now: a port is in use (sysexits' EX_UNAVAILABLE)."""
+BROKEN = 70
+"""The daemon ended itself, as a part of it was lost (sysexits' EX_SOFTWARE)."""
 CONFIG = 78
 """The configuration or the utility specs are wrong (sysexits' EX_CONFIG)."""
 INTERRUPTED = 130

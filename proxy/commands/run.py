@@ -15,6 +15,7 @@ from proxy.config_files import standard
 from proxy.errors import ConfigError, ProxyError
 from proxy.heap import give_back, keep_together
 from proxy.log import set_up_logging
+from proxy.lost_threads import LostThreads
 from proxy.notices import Notices
 from proxy.priority import lengthen_slice, raise_priority
 from proxy.reloading import Reloading, read_specs
@@ -51,6 +52,7 @@ examples:
 exit codes:
   0   stopped by SIGTERM or Ctrl-C
   69  a port is in use, or Zenoh cannot start
+  70  a part of it was lost, as after a fault of Zenoh: start it anew, as systemd does
   78  the configuration or the utility specs are wrong
 """
 
@@ -92,15 +94,19 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
         lengthen_slice()
     else:
         log.debug("not allowed to raise the priority of the daemon: beside busy processes it hears and decides late")
+    lost = LostThreads()
     try:
         closed = serve(config, specs, asked, standard(arguments.config), lambda: layered().config)
     except ProxyError as error:
         log.error("%s", error)
         return exit_codes.UNAVAILABLE
+    finally:
+        lost.close()
+    code = exit_codes.BROKEN if lost.any else exit_codes.OK
     if not closed:  # a thread that comes back from Zenoh while the interpreter ends would abort the process
         logging.shutdown()
-        os._exit(exit_codes.OK)
-    return exit_codes.OK
+        os._exit(code)
+    return code
 
 
 def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read: Callable[[], Config]) -> bool:

@@ -49,6 +49,7 @@ def test_tokens_of_the_mirror_session_are_not_taken_for_those_of_others(stack, o
 def test_how_a_query_was_asked_is_known_until_it_is_taken(stack, opened, endpoints):
     """The next one of the same key and parameters is another one."""
     queries = []
+    assert opened.apps.keeps_source, "routers have worked out their routes when this is known"
     served = opened.apps.session.declare_queryable("q", zenoh.handlers.Callback(queries.append, indirect=False))
     asker = closing(stack, plain_session("client", connect=endpoints[:1]))
     querier = asker.declare_querier("q")
