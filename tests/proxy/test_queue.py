@@ -21,7 +21,7 @@ window = 2
 name = "covered"
 keys = ["covered/**"]
 aggregation = "sum"
-utility = { kind = "video" }
+utility = { kind = "step", lifetime = 3600 }  # worth as much however busy the machine is
 """
 SIZE = 20_000_000
 SAMPLES, KEYS = 1800, 200
