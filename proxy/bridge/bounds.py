@@ -35,6 +35,9 @@ class BridgeBounds:
     """Keys of which it is remembered what came; that of which nothing came for longest is forgotten."""
     received_samples: int = 512
     """Samples remembered of each of these keys: twice as many as a robot may keep for another one."""
+    stamped_samples: int = 4096
+    """Samples of which it is remembered, until as many more came, that they left with our stamp. What comes around the
+    daemons does so in milliseconds."""
     held_samples: int = 4096
     """Samples held back; where there are more, streams are not in order."""
     held_bytes: int = 16 * 1024 * 1024

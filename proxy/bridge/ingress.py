@@ -23,6 +23,7 @@ from proxy.bridge.payloads import Payloads
 from proxy.bridge.room import Room
 from proxy.bridge.rules import Rules
 from proxy.bridge.sample import Held, generated, origin_of, priority_of
+from proxy.bridge.stamped import Stamped
 from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import SamplePublished
 from utility_specs import InformationType
@@ -80,6 +81,7 @@ class Ingress:
         self._deduplication = Deduplication(of_sample)
         self._mirror = Mirror(self._subscribe, TUNING.grace)
         self._own = str(mesh.zid())
+        self._stamped = Stamped()
         self.returned = 0
         """Samples that left here for the mesh and came back around the daemons."""
 
@@ -124,7 +126,7 @@ class Ingress:
             return
         stamp = sample.timestamp
         origin = None if stamp is None else origin_of(stamp)
-        if origin == self._own:
+        if stamp is not None and origin == self._own and self._stamped.holds(key, stamp):
             self.returned += 1
             return
         course = self._courses.of(key)
@@ -132,7 +134,10 @@ class Ingress:
             self._drop(course.dropped)
             return
         source = sample.source_info if course.numbered else None
-        held = Held(sample, stamp or self._mesh.new_timestamp(), key, len(sample.payload), source)
+        stamp = stamp or self._mesh.new_timestamp()
+        if origin is None or origin == self._own:
+            self._stamped.note(key, stamp)
+        held = Held(sample, stamp, key, len(sample.payload), source)
         self._demand.note(key, sample, covered=course.covering is not None)
         # Behind what waits for a decision: that had no turn yet when the mode became `pass`.
         if course.passes is not None and (course.covering is None or not self._payloads.holds(key)):

@@ -51,10 +51,12 @@ class Mirror:
         altered = {
             key for key, (_, complete) in self._declared.items() if key in wanted and wanted[key] is not complete
         }
-        self._take_back(altered)
+        former = [self._declared.pop(key)[0] for key in altered]
         new = sorted(wanted.keys() - self._declared.keys() - self._refused)
         for expression in new:
             self._add(expression, wanted[expression])
+        for declared in former:  # only now: there is one all the time
+            declared.undeclare()
         now = clock.monotonic()
         if new:
             self._settled_at = now + self._grace

@@ -156,7 +156,7 @@ class Queries:
             numbered = sample.source_info is None or self._numbered(key)
             if not numbered and sample.timestamp is None:
                 return
-        self._executor.await_room(TUNING.moving)  # as a router holds up who answers
+        self._executor.await_room(TUNING.reply_waits)  # as a router holds up who answers
         if not self._executor.offer(partial(self._answer, query, reply, numbered=numbered)):
             log.warning("a reply is lost: more come than the application takes")
 

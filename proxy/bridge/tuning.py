@@ -109,6 +109,9 @@ class BridgeTuning:
     moving: float = 0.5
     """Full links move when a sample was sent so recently, for each 64 kB of the one in hand [s]: who publishes faster
     is slowed down then, not dropped."""
+    reply_waits: float = 5.0
+    """A reply waits this long for room, as long as at a router [s]. With 0.5 s an application that takes 0.4 ms for
+    each got 14,000 of 20,000 replies of 1 kB."""
     slowed: int = 6
     """So many publishers at a time are slowed down by as much as it takes. Each keeps one of Zenoh's threads meanwhile,
     and half of these are left to the apps."""

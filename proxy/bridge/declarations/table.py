@@ -1,10 +1,12 @@
 """Who declares what on the far side of a tapped link, and how it asks, kept from the bytes that pass."""
 
 import logging
+import math
 import threading
 from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping
 
+from proxy import clock
 from proxy.bridge.declarations.cursor import WireError
 from proxy.bridge.declarations.tuning import TUNING
 from proxy.bridge.declarations.wire import Asked, Batches, Declared, Interest, KeyNumber, Kind, Message, Undeclared
@@ -27,7 +29,8 @@ class DeclarationTable:
         self._lock = threading.Lock()
         self._entries: dict[Kind, dict[int | str, tuple[str, bool]]] = {}
         self._merged: dict[Kind, dict[str, bool]] = {}
-        self._asked: OrderedDict[tuple[str, str], deque[Asked]] = OrderedDict()
+        self._asked: OrderedDict[tuple[str, str], deque[tuple[float, Asked]]] = OrderedDict()
+        """The queries that are not taken yet, by key expression and parameters, each with the end of its time [s]."""
         self.reset()
 
     def reset(self) -> None:
@@ -56,18 +59,16 @@ class DeclarationTable:
     def asked(self, expression: str, parameters: str) -> Asked | None:
         """Return what `take` would."""
         with self._lock:
-            waiting = self._asked.get((expression, parameters))
-            return waiting[0] if waiting else None
+            waiting = self._untaken(expression, parameters)
+            return waiting[0][1] if waiting else None
 
     def take(self, expression: str, parameters: str) -> Asked | None:
         """Return how the oldest query that is not taken yet was asked; None when it is not known."""
         with self._lock:
-            waiting = self._asked.get((expression, parameters))
-            if waiting is None:
-                return None
-            asked = waiting.popleft()
+            waiting = self._untaken(expression, parameters)
+            asked = waiting.popleft()[1] if waiting else None
             if not waiting:
-                del self._asked[expression, parameters]
+                self._asked.pop((expression, parameters), None)
             return asked
 
     def read(self, data: bytes, *, inward: bool) -> None:
@@ -116,9 +117,17 @@ class DeclarationTable:
         self._merged.pop(kind, None)
         self.edition += 1
 
+    def _untaken(self, expression: str, parameters: str) -> deque[tuple[float, Asked]] | None:
+        """Return the queries of a name that may still be taken."""
+        waiting, now = self._asked.get((expression, parameters)), clock.monotonic()
+        while waiting and waiting[0][0] < now:
+            waiting.popleft()
+        return waiting
+
     def _remember(self, asked: Asked) -> None:
         name = self._expression(asked, inward=True), asked.parameters
-        self._asked.setdefault(name, deque(maxlen=TUNING.queries_remembered)).append(asked)
+        until = clock.monotonic() + min(TUNING.query_taken, math.inf if asked.timeout is None else asked.timeout)
+        self._asked.setdefault(name, deque(maxlen=TUNING.queries_remembered)).append((until, asked))
         while len(self._asked) > TUNING.queries_remembered:
             self._asked.popitem(last=False)
 

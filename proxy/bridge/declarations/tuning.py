@@ -19,6 +19,9 @@ class DeclarationsTuning:
     """A payload that goes in fragments [B]."""
     queries_remembered: int = 1024
     """Queries whose options are remembered until somebody takes them; of more, the oldest are forgotten."""
+    query_taken: float = 2.0
+    """A query is taken this soon, or never [s]: of one whose queryable goes while it comes nobody is told. Without this
+    bound each later query of its name had the options of the one before."""
     default_query_timeout: float = 60.0
     """For a query whose options are not known [s]."""
     key_and_encoding: int = 1024

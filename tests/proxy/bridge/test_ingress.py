@@ -183,13 +183,17 @@ def test_overlapping_wishes_make_one_question(pair):
 
 @pytest.mark.usefixtures("wanted")
 def test_what_left_for_the_mesh_and_came_back_around_the_daemons_stays(pair):
-    """A sample with our own stamp is one that we stamped when it left: it is counted, and does not go round."""
-    publisher = pair[0].node()
-    publisher.put("covered/a", "back", timestamp=pair[0].mesh.new_timestamp())
+    """It is counted, and does not go round. What an application publishes with a stamp of ours is none of these."""
+    publisher, elsewhere = pair[0].node(), Heard(pair[1].node(), "free/a")
+    wait_until(lambda: publisher.put("free/a", "gone") or elsewhere.samples, what="one that left")
+    stamp = elsewhere.samples[0].timestamp
+    publisher.put("free/a", "back", timestamp=stamp)
+    publisher.put("covered/a", "answer", timestamp=stamp)
+    publisher.put("covered/a", "answer", timestamp=stamp)
     publisher.put("covered/b", "new")
-    wait_until(lambda: pair[0].asked, what="the new one")
-    assert [sample.key for sample in pair[0].asked] == ["covered/b"]
-    assert pair[0].bridge.describe()["returned"] == 1
+    wait_until(lambda: len(pair[0].asked) == 2, what="the new one")
+    assert [sample.key for sample in pair[0].asked] == ["covered/a", "covered/b"]
+    assert pair[0].bridge.describe()["returned"] == 2
 
 
 OWN_RULES = """

@@ -53,6 +53,7 @@ def test_a_changed_completeness_is_declared_anew():
     mirror.update({"a": False})
     assert mirror.update({"a": True})
     assert made.now == [("a", True)]
+    assert made.before == [[("a", False), ("a", True)]], "the new one is there before the old one goes"
 
 
 def test_what_zenoh_refuses_is_said_once_and_tried_again_when_wanted_anew(caplog):

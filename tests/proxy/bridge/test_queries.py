@@ -305,7 +305,7 @@ def test_a_closed_far_side_is_an_error_and_ends_the_query(stack, executor):
 @pytest.mark.parametrize(("patience", "loses"), [(60.0, False), (0.0, True)], ids=["it waits", "it cannot"])
 def test_who_answers_faster_than_answers_are_handed_on_waits(stack, monkeypatch, caplog, patience, loses):
     """As at a router. What finds no place even so is said to be lost."""
-    monkeypatch.setattr(queries_module, "TUNING", replace(TUNING, moving=patience))
+    monkeypatch.setattr(queries_module, "TUNING", replace(TUNING, reply_waits=patience))
     endpoint, executor, told = free_endpoint(), SerialExecutor("test", 8), []
     stack.callback(executor.close, 1.0)
     far = closing(stack, plain_session("peer", listen=(endpoint,)))

@@ -6,6 +6,7 @@ import pytest
 
 from proxy.bridge.declarations import table as table_module
 from proxy.bridge.declarations.table import DeclarationTable
+from proxy.bridge.declarations.tuning import TUNING
 from tests.proxy.bridge.declarations.test_wire import frame
 
 
@@ -125,6 +126,21 @@ def test_what_nobody_takes_is_forgotten(table, monkeypatch):
     assert [table.take(key, "") is None for key in "abc"] == [True, False, False]
     table.read(frame(BARE, BARE, QUERY, BARE), inward=True)
     assert [table.take("a/b", "") is None for _ in range(3)] == [False, False, True]
+
+
+def test_a_query_that_came_as_its_queryable_went_is_no_other_one(table, monkeypatch):
+    """Nobody is told of it, so nobody takes it: not for longer than it lasts, or than taking it may take."""
+    now = [100.0]
+    monkeypatch.setattr(table_module.clock, "monotonic", lambda: now[0])
+    table.read(frame(QUERY, BARE), inward=True)
+    now[0] += TUNING.query_taken / 2
+    table.read(frame(QUERY, BARE), inward=True)
+    now[0] += TUNING.query_taken * 0.6
+    assert [table.take("a/b", "") is None for _ in range(2)] == [False, True]
+    assert table.asked("a/b", "x=1") is not None
+    now[0] += TUNING.query_taken
+    assert table.asked("a/b", "x=1") is None
+    assert table.take("a/b", "x=1") is None
 
 
 def test_queries_of_the_mirror_session_itself_are_not_remembered(table):
