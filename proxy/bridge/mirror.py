@@ -46,8 +46,12 @@ class Mirror:
         """Whether something waits to be taken back: `update` has to be called again."""
         return bool(self._leaving)
 
-    def update(self, wanted: Mapping[str, bool]) -> bool:
-        """Declare and undeclare until exactly `wanted` is declared; return whether anything changed."""
+    def update(self, wanted: Mapping[str, bool], ended: Collection[str] = ()) -> bool:
+        """Declare and undeclare until exactly `wanted` is declared; return whether anything changed.
+
+        What has `ended`, and is wanted again by now, ends here too before it is declared anew.
+        """
+        self._take_back([expression for expression in ended if expression in self._declared])
         altered = {
             key for key, (_, complete) in self._declared.items() if key in wanted and wanted[key] is not complete
         }

@@ -190,6 +190,7 @@ class Mirroring:
     def _mirror(self) -> None:
         now = clock.monotonic()
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.
+        ended_in, ended_out = self._others.ended_tokens(), self._apps.ended_tokens()
         alive_in = self._others.foreign_tokens(self._tokens_out.declared, now)
         alive_out = self._apps.foreign_tokens(self._tokens_in.declared, now)
         answered_in, answered_out = self._others.declared("queryable"), self._apps.declared("queryable")
@@ -199,9 +200,9 @@ class Mirroring:
         if self._news("queryables in", answered_in):
             self._outward.update(self._rules.into.crossing("queryables", answered_in))
         if self._news("tokens out", alive_out):
-            self._tokens_out.update(self._rules.tokens(self._rules.out, alive_out))
+            self._tokens_out.update(self._rules.tokens(self._rules.out, alive_out), ended_out)
         if self._news("tokens in", alive_in):
-            self._tokens_in.update(self._rules.tokens(self._rules.into, alive_in))
+            self._tokens_in.update(self._rules.tokens(self._rules.into, alive_in), ended_in)
 
     def _news(self, name: str, told: Mapping[str, bool]) -> bool:
         """Whether something else of `name` is declared than at the last look."""

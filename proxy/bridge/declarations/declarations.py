@@ -77,6 +77,10 @@ class Declarations:
         alive = self.declared("token")
         return alive if self._echoes is None else self._echoes.without(alive, own, now)
 
+    def ended_tokens(self) -> set[str]:
+        """Return the tokens that ended since the last call: they may be alive again by now."""
+        return self._table.ended_tokens()
+
     def ask_witnesses(self) -> bool:
         """Whether somebody subscribes by now to what only we did: the wire tells that a moment later."""
         return self._witnesses.ask()

@@ -3,7 +3,7 @@
 import logging
 import math
 import threading
-from collections import OrderedDict, deque
+from collections import Counter, OrderedDict, deque
 from collections.abc import Callable, Mapping
 
 from proxy import clock
@@ -29,6 +29,10 @@ class DeclarationTable:
         self._lock = threading.Lock()
         self._entries: dict[Kind, dict[int | str, tuple[str, bool]]] = {}
         self._merged: dict[Kind, dict[str, bool]] = {}
+        self._alive = Counter[str]()
+        """How many tokens there are of each name..."""
+        self._ended: set[str] = set()
+        """... and those names of which there was none, at some time since somebody asked."""
         self._asked: OrderedDict[tuple[str, str], deque[tuple[float, Asked]]] = OrderedDict()
         """The queries that are not taken yet, by key expression and parameters, each with the end of its time [s]."""
         self.reset()
@@ -38,6 +42,7 @@ class DeclarationTable:
         with self._lock:
             self._entries = {"subscriber": {}, "queryable": {}, "token": {}}
             self._merged.clear()
+            self._alive.clear()
             self._asked.clear()
             self.edition += 1
             self._batches = (Batches(), Batches())
@@ -55,6 +60,12 @@ class DeclarationTable:
                 for expression, complete in self._entries[kind].values():
                     found[expression] = complete or found.get(expression, False)
             return found
+
+    def ended_tokens(self) -> set[str]:
+        """Return the tokens that ended since the last call: they may be alive again by now."""
+        with self._lock:
+            ended, self._ended = self._ended, set()
+            return ended
 
     def asked(self, expression: str, parameters: str) -> Asked | None:
         """Return what `take` would."""
@@ -105,13 +116,30 @@ class DeclarationTable:
                 expression = self._expression(message, inward=inward)
                 if crosses(expression):
                     # Routers number nothing: there the key expression is the name.
-                    self._entries[message.kind][message.number or expression] = (expression, message.complete)
+                    self._add(message.kind, message.number or expression, (expression, message.complete))
                     self._change(message.kind)
             case Undeclared() if inward:
                 by_name = message.by_expression
                 gone = self._expression(message, inward=inward) if by_name else message.number
-                if self._entries[message.kind].pop(gone, None) is not None:
+                if self._forget(message.kind, gone):
                     self._change(message.kind)
+
+    def _add(self, kind: Kind, name: int | str, entry: tuple[str, bool]) -> None:
+        """Put an entry in; it may be there."""
+        if self._entries[kind].get(name) != entry:
+            self._forget(kind, name)
+            self._entries[kind][name] = entry
+            self._alive[entry[0]] += kind == "token"
+
+    def _forget(self, kind: Kind, name: int | str) -> bool:
+        """Take an entry out; whether there was one."""
+        entry = self._entries[kind].pop(name, None)
+        if entry is not None and kind == "token":
+            self._alive[entry[0]] -= 1
+            if not self._alive[entry[0]]:
+                del self._alive[entry[0]]
+                self._ended.add(entry[0])
+        return entry is not None
 
     def _change(self, kind: Kind) -> None:
         self._merged.pop(kind, None)

@@ -56,6 +56,17 @@ def test_a_changed_completeness_is_declared_anew():
     assert made.before == [[("a", False), ("a", True)]], "the new one is there before the old one goes"
 
 
+def test_what_ended_and_is_wanted_again_ends_here_too():
+    """Whoever follows it is told of both."""
+    made = Made()
+    mirror = Mirror(made)
+    mirror.update({"a": False, "b": False})
+    assert mirror.update({"a": False, "b": False}, {"a", "elsewhere"})
+    assert made.log == ["a", "b", "a"]
+    assert sorted(made.now) == [("a", False), ("b", False)]
+    assert made.before == [[("a", False), ("b", False)]]
+
+
 def test_what_zenoh_refuses_is_said_once_and_tried_again_when_wanted_anew(caplog):
     """A refused key expression neither stops the others nor fills the log."""
     mirror = Mirror(Made())

@@ -68,6 +68,21 @@ def test_undeclaring_by_number_and_by_expression(table, changes):
     assert len(changes) == before
 
 
+def test_tokens_that_ended_are_told_once(table):
+    """Not while another one of the same name is alive; also when there is one again."""
+    table.read(frame(declared(0x06, 5, 0, "a"), declared(0x06, 6, 0, "a"), declared(0x02, 5, 0, "b")), inward=True)
+    table.read(frame(b"\x1e\x07\x05", b"\x1e\x03\x05"), inward=True)
+    assert table.declared("token") == {"a": False}
+    assert table.ended_tokens() == set()
+    table.read(frame(b"\x1e\x07\x06", declared(0x06, 7, 0, "a")), inward=True)
+    assert table.declared("token") == {"a": False}
+    assert table.ended_tokens() == {"a"}
+    table.read(frame(declared(0x06, 7, 0, "a")), inward=True)
+    assert table.ended_tokens() == set()
+    table.read(frame(declared(0x06, 7, 0, "other")), inward=True)
+    assert table.ended_tokens() == {"a"}
+
+
 def test_own_and_admin_keys_are_left_out(table):
     """What never crosses is not told."""
     hidden = ("@/x/router/**", "@sendworthy/r1/status")
