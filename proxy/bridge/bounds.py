@@ -27,6 +27,9 @@ class BridgeBounds:
     """Keys whose demand is followed; of more, one node is assumed to want them."""
     queries: int = 1024
     """Queries under way in one direction; more are answered with an error."""
+    queries_of_one: int = 768
+    """Those of them for one queryable: a service that answered none kept all others from being asked for as long as
+    queries last."""
     jobs: int = 8192
     """Jobs that may wait for a serial executor."""
 

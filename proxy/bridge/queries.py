@@ -59,7 +59,8 @@ class Queries:
         self._numbered = numbered
         self._deduplication = Deduplication(of_query)
         self._mirror = Mirror(self._declare)
-        self._pending: dict[int, zenoh.Query] = {}
+        self._pending: dict[int, tuple[zenoh.Query, int]] = {}
+        """By its id each query under way, and the number of the queryable that it came to."""
         self.crossed = 0
 
     @property
@@ -97,11 +98,17 @@ class Queries:
         if not self._admits(key) or self._by_number(key, query):
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
             return
-        self._pending[id(query)] = query
-        if self.pending > BOUNDS.queries:
+        self._pending[id(query)] = query, number
+        if self.pending > BOUNDS.queries or self._too_many(number):
             self._refuse(query)
         else:
             self._fence.then(partial(self._pass_on, query, options))
+
+    def _too_many(self, number: int) -> bool:
+        """Whether too many queries came to one queryable."""
+        if self.pending <= BOUNDS.queries_of_one:
+            return False
+        return sum(of == number for _, of in list(self._pending.values())) > BOUNDS.queries_of_one
 
     def _pass_on(self, query: zenoh.Query, options: QueryOptions) -> None:
         if not self._executor.offer(partial(self._ask, query, options)):

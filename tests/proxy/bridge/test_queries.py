@@ -347,6 +347,20 @@ def test_a_query_waits_for_what_was_declared_before_it(stack, executor):
     wait_until(lambda: queries.crossed, what="it to cross")
 
 
+def test_a_service_that_does_not_answer_leaves_room_for_others(stack, executor, monkeypatch):
+    """However many ask it."""
+    monkeypatch.setattr(queries_module, "BOUNDS", replace(BOUNDS, queries=8, queries_of_one=5))
+    queries, asker = declared(stack, closing(stack, plain_session("peer")), executor, Fence(lambda: None))
+    queries.update({"service/a": False, "service/b": False})
+    querier = asker.declare_querier("service/b")
+    wait_until(lambda: querier.matching_status.matching, what="the other queryable")
+    asked = [asker.get("service/a", timeout=60.0) for _ in range(5)]
+    wait_until(lambda: queries.pending == 5, what="as many queries as may come to one")
+    assert list(answers(asker, "service/a")) == ["error: too many queries under way"]
+    asked.append(asker.get("service/b", timeout=60.0))
+    wait_until(lambda: queries.pending == 6, what="one to another")
+
+
 def test_a_query_that_waits_holds_up_no_answers_to_others(stack, executor):
     """What was asked on before is answered meanwhile."""
     endpoint, held = free_endpoint(), []
