@@ -12,6 +12,7 @@ from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.fence import Fence
+from proxy.bridge.gone_routers import GoneRouters
 from proxy.bridge.half_open import HalfOpen
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.ingress import Ingress, Submit
@@ -85,6 +86,7 @@ class Bridge:
         links = (
             self._links,
             self._app_links,
+            GoneRouters(sides.app, sides.apps, lambda: self._ingress.declared),
             Linger(sides.app),
             Linger(sides.mesh),
             sides.rediscovery,

@@ -12,8 +12,8 @@ class Declaration(Protocol):
         """Take it back."""
 
 
-def matches(publisher: zenoh.Publisher) -> bool:
-    """Whether anybody subscribes to what `publisher` publishes."""
+def matches(one: zenoh.Publisher | zenoh.Querier) -> bool:
+    """Whether anybody subscribes to what a publisher publishes, or answers what a querier asks."""
     # The stubs promise a bool; the binding returns a MatchingStatus.
-    status: object = publisher.matching_status
+    status: object = one.matching_status
     return bool(getattr(status, "matching", status))

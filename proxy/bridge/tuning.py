@@ -94,6 +94,8 @@ class BridgeTuning:
     """The rest takes so many times as long as the look."""
     longest_rest: float = 0.25
     """The rest takes no longer than this [s]."""
+    router_forgotten: float = 0.5
+    """A router whose link ended is forgotten by Zenoh this soon, with all that was behind it [s]."""
     grace: float = 0.1
     """What may be replaced by something new stays for so long: longer than a callback of Zenoh's waits to run [s]."""
 

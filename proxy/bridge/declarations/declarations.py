@@ -9,6 +9,7 @@ from proxy.bridge.declarations.echoes import Echoes
 from proxy.bridge.declarations.mirror_session import MirrorSession
 from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
 from proxy.bridge.declarations.query_options import QueryOptions, options_of
+from proxy.bridge.declarations.survivors import gone
 from proxy.bridge.declarations.table import DeclarationTable
 from proxy.bridge.declarations.wire import Kind
 from proxy.bridge.declarations.witnesses import Witnesses
@@ -35,6 +36,7 @@ class Declarations:
     ) -> None:
         self._everything = CROSSING if side == "app" else INGRESS
         self._side = side
+        self._main = main
         self._table = DeclarationTable(changed)
         self._mirror = MirrorSession(main, endpoint, self._table, side=side, mode=mode, zenoh_options=zenoh_options)
         self._witnesses = Witnesses(main, changed)
@@ -80,6 +82,14 @@ class Declarations:
     def ended_tokens(self) -> set[str]:
         """Return the tokens that ended since the last call: they may be alive again by now."""
         return self._table.ended_tokens()
+
+    def forget_gone(self, own: Collection[str]) -> None:
+        """Forget what was behind a router that is gone; `own` is what the main session subscribes to."""
+        kinds: tuple[Kind, ...] = ("subscriber", "queryable", "token")
+        for kind in kinds:
+            told = self.declared(kind).keys() - (own if kind == "subscriber" else ())
+            if found := gone(self._main, kind, told):
+                self._table.remove(kind, found)
 
     def ask_witnesses(self) -> bool:
         """Whether somebody subscribes by now to what only we did: the wire tells that a moment later."""

@@ -4,7 +4,7 @@ import logging
 import math
 import threading
 from collections import Counter, OrderedDict, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 from proxy import clock
 from proxy.bridge.declarations.cursor import WireError
@@ -60,6 +60,14 @@ class DeclarationTable:
                 for expression, complete in self._entries[kind].values():
                     found[expression] = complete or found.get(expression, False)
             return found
+
+    def remove(self, kind: Kind, expressions: Collection[str]) -> None:
+        """Take out what is not declared any more, though nobody said so."""
+        with self._lock:
+            for name in [name for name, (expression, _) in self._entries[kind].items() if expression in expressions]:
+                self._forget(kind, name)
+            self._change(kind)
+        self._changed()
 
     def ended_tokens(self) -> set[str]:
         """Return the tokens that ended since the last call: they may be alive again by now."""
