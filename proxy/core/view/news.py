@@ -36,9 +36,16 @@ class News:
 
         News that waited for its key is older than what came since: where that counted it seemed lost later, and an
         operator of eight robots took 17 % for lost where all came.
+
+        A stream with another number than before its robot has forgotten meanwhile, as specs did not cover it or there
+        were too many: it counts from 1. Where others kept their counts nothing that it sent counted until it had caught
+        up: of two robots 96 % of the windows were over the limit, by up to 1.6.
         """
         for key, told in peer.told.items():
-            if (stream := self._streams.known(peer.robot, key)) is not None:
+            stream = self._streams.known(peer.robot, key)
+            if stream is not None and stream.id not in (0, told.id):
+                self._streams.forget(stream)
+            elif stream is not None:
                 stream.assume(told)
         for news, entry in peer.pending.named(peer.keys):
             if entry is not None:
@@ -58,7 +65,7 @@ class News:
 
     def _take(self, now: float, peer: Peer, key: str, news: StreamDigest, *, counts: bool) -> None:
         """Take in news of a stream. Whether what came of it by now `counts` beside what it says was sent."""
-        stream = self._streams.touch(now, peer.robot, key)
+        stream = self._streams.touch(now, peer.robot, key, news.id)
         if stream is None:
             return
         gets_all = self._subscribers.broadcasts(peer.robot) or self._tag in self._subscribers.of(stream)

@@ -92,7 +92,7 @@ class Sent(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class Stream:
-    """One stream in the shared view. `id` is its number in its robot's digests."""
+    """One stream in the shared view. `id` is its number in its robot's digests; 0: it has not been told yet."""
 
     id: int
     robot: str
@@ -165,9 +165,10 @@ class Stream:
         """The size that a sample to come is planned with [B]: a bit less than the mean, for smaller ones are sent."""
         return self.sizes.likely(self.newest.size)
 
-    def touch(self, now: float) -> None:
-        """Something was heard of the stream."""
+    def touch(self, now: float, number: int = 0) -> None:
+        """Something was heard of the stream; its robot may have told its number."""
         self.touched = now
+        self.id = number or self.id
 
     def rename(self, robot: str) -> None:
         """The stream's robot has another name from now on."""

@@ -74,10 +74,11 @@ class Streams:
         """The stream of a robot and key, if there is one."""
         return self._all.get((robot, key))
 
-    def touch(self, now: float, robot: str, key: str) -> Stream | None:
+    def touch(self, now: float, robot: str, key: str, number: int = 0) -> Stream | None:
         """Something is heard of the stream of a robot and key; return it, made when new.
 
-        It is the last of its owner's to be forgotten then. None when no spec plans for the key.
+        It is the last of its owner's to be forgotten then. None when no spec plans for the key. Another robot may have
+        told the stream's `number`.
         """
         place = robot, key
         found = self._all.get(place)
@@ -87,11 +88,12 @@ class Streams:
                 return None
             if robot == self._own:
                 self._ids += 1
+                number = self._ids
             matching = robot == self._own and key in self._matching
-            found = Stream(self._ids, robot, key, information_type, matching=matching)
+            found = Stream(number, robot, key, information_type, matching=matching)
             found.cover(information_type)
             self.admit(found)
-        found.touch(now)
+        found.touch(now, number)
         owned = self._owned[owner_of(robot)]
         del owned[place]
         owned[place] = found

@@ -117,3 +117,36 @@ def test_what_was_last_sent_is_not_what_was_generated_since(view):
     stream = view.streams.known("r2", CAMERA)
     assert (stream.last.size, stream.last.scale) == (50, 1.0)
     assert (stream.sent.size, stream.sent.scale) == (400, 2.0)
+
+
+def test_a_stream_that_its_robot_met_again_counts_from_the_start(view):
+    """It has another number then; what is said of the one before does not bring that back."""
+
+    def announce(at, state, stream):
+        streams = (StreamState(stream, CAMERA, "camera", 0.5),)
+        view.heard_state(at, State("r2", "z-r2", "enforce", "", streams, number=state))
+
+    view.add_peer(0.0, "r2", "z-r2")
+    announce(0.0, 1, stream=7)
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 300, 300, 1.0, 1.0, 10, 1.0)))
+    view.heard_digest(2.0, digest(2.0, StreamDigest(9, 1, 1, 2.0, 2.0, 20, 1.0)))
+    announce(2.1, 2, stream=9)
+    view.heard_digest(3.0, digest(3.0, StreamDigest(9, 2, 2, 3.0, 3.0, 30, 1.0)))
+    view.heard_digest(3.1, digest(3.1, StreamDigest(7, 301, 301, 3.0, 3.0, 40, 1.0)))
+    announce(3.2, 3, stream=9)
+    stream = view.streams.known("r2", CAMERA)
+    assert (stream.id, stream.generated, stream.forwarded, stream.last.size) == (9, 2, 2, 30)
+    assert [size for _, (size, _), _ in view.traffic.sends] == [10, 20, 30, 40]
+
+
+def test_of_a_stream_that_its_robot_met_again_nothing_is_known_until_it_tells(view):
+    """Its state names another number. One that was only overheard has had none, and stays."""
+    meet(view)
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 3, 3, 1.0, 1.0, 10, 1.0)))
+    state = State("r2", "z-r2", "enforce", "", (StreamState(9, CAMERA, "camera", 0.5),), origins=("r2-zid",))
+    view.heard_state(2.0, state)
+    assert view.streams.known("r2", CAMERA) is None
+    view.overhearing.take(SampleHeard(2.5, CAMERA, 10, "r2-zid", None, None))
+    overheard = view.streams.known("r2", CAMERA)
+    view.heard_state(3.0, state)
+    assert view.streams.known("r2", CAMERA) is overheard
