@@ -65,7 +65,7 @@ class News:
 
     def _take(self, now: float, peer: Peer, key: str, news: StreamDigest, *, counts: bool) -> None:
         """Take in news of a stream. Whether what came of it by now `counts` beside what it says was sent."""
-        stream = self._streams.touch(now, peer.robot, key, news.id)
+        stream = self._stream_of(now, peer.robot, key, news)
         if stream is None:
             return
         gets_all = self._subscribers.broadcasts(peer.robot) or self._tag in self._subscribers.of(stream)
@@ -86,6 +86,24 @@ class News:
             stream.number(news.forwarded, heard=heard)
         if news.forwarded > stream.forwarded:
             self._traffic.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
+
+    def _stream_of(self, now: float, robot: str, key: str, news: StreamDigest) -> Stream | None:
+        """Return the stream that news is of; None where it does not count.
+
+        News that counts less than what is known contradicts it, and does not count at first. Where nothing else has
+        been told for a while what is known was forged, and the stream begins anew.
+        """
+        known = self._streams.known(robot, key)
+        if known is not None and _contradicts(known, news):
+            if now < known.touched + TUNING.implausible_for:
+                return None
+            self._streams.forget(known)
+        return self._streams.touch(now, robot, key, news.id)
+
+
+def _contradicts(stream: Stream, news: StreamDigest) -> bool:
+    """Whether news counts less than what is known of its stream. Of what was overheard a few may count too often."""
+    return news.generated < stream.generated or news.forwarded < stream.forwarded - TUNING.heard_ahead
 
 
 def _completed(stream: Stream, news: StreamDigest, told: StreamState | None) -> StreamDigest:

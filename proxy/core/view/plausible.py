@@ -2,7 +2,7 @@
 
 Without TLS nobody on a mesh can tell who speaks. So a message changes no more than an honest robot's could, and what a
 forged one changed does not last: when no digest has followed from the last one for a while, the next digest counts as
-that of a robot that starts anew.
+that of a robot that starts anew. A stream of which less is told than before for as long begins anew, too (`news.py`).
 """
 
 from collections.abc import Callable

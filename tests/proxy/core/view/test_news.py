@@ -7,6 +7,7 @@ from proxy.core.model.settings import CoreSettings
 from proxy.core.model.transport import broadcast
 from proxy.core.protocol.messages import State, StreamDigest, StreamState
 from proxy.core.view.stream import Generated, Sent
+from proxy.core.view.tuning import TUNING
 from proxy.core.view.view import SharedView
 from tests.proxy.core.view.met import CAMERA, digest, meet
 
@@ -150,3 +151,32 @@ def test_of_a_stream_that_its_robot_met_again_nothing_is_known_until_it_tells(vi
     overheard = view.streams.known("r2", CAMERA)
     view.heard_state(3.0, state)
     assert view.streams.known("r2", CAMERA) is overheard
+
+
+@pytest.mark.parametrize("forged", [(1_190_000, 1_190_000), (400, 400)], ids=["generated", "sent"])
+def test_counts_that_were_forged_do_not_last(view, forged):
+    """What its robot tells of a stream counts less then: in time that holds."""
+    meet(view)
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 400, 3, 1.0, 1.0, 10, 1.0)))
+    view.heard_digest(1.5, digest(1.5, StreamDigest(7, *forged, 1.5, 1.5, 10, 1.0)))
+    counts = []
+    for k in range(round(TUNING.implausible_for) + 2):
+        at = 2.0 + k
+        view.heard_digest(at, digest(at, StreamDigest(7, 401 + k, 4 + k, at, at, 10, 1.0)))
+        stream = view.streams.known("r2", CAMERA)
+        counts.append((stream.generated - 401 - k, stream.forwarded - 4 - k))
+    assert (0, 0) not in counts[:5]
+    assert counts[-1] == (0, 0)
+
+
+def test_what_was_overheard_twice_makes_no_stream_anew(view):
+    """Its robot tells of fewer samples than were heard: it knows better, by and by."""
+    meet(view, origins=("r2-zid",))
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0)))
+    stream = view.streams.known("r2", CAMERA)
+    for k in range(3):
+        view.overhearing.take(SampleHeard(1.5 + 0.1 * k, CAMERA, 10, "r2-zid", None, None))
+    for k in range(20):
+        view.heard_digest(2.0 + k, digest(2.0 + k, StreamDigest(7, 2 + k, 2, 2.0 + k, 1.9, 10, 1.0)))
+    assert view.streams.known("r2", CAMERA) is stream
+    assert stream.generated == 21
