@@ -17,6 +17,7 @@ from proxy.core.protocol.fixed import rounded
 from proxy.core.protocol.messages import StreamState
 from proxy.core.view.tuning import TUNING
 from utility_specs import InformationType
+from utility_specs.forecast import FeatureForecast
 
 
 @dataclass(slots=True)
@@ -133,7 +134,7 @@ class Stream:
         self.schedule.set_rule(information_type.schedule, failures)
         if information_type.forecast.plain:
             self._outlook = None
-        elif self._outlook is None or before.forecast != information_type.forecast:
+        elif self._outlook is None or _forecasts(before) != _forecasts(information_type):
             self._outlook = Outlook(information_type.forecast, failures)
             self._steady = True
         self._expected.clear()
@@ -288,9 +289,16 @@ class Stream:
     def _outlined(self, outlook: Outlook, lead: int) -> Generated:
         last = self.newest
         values = outlook.expect(last.t_gen + lead * self.schedule.period)
-        if last.features:
-            return Generated(last.t_gen, last.size, self.information_type.scale(values), values)
-        return Generated(last.t_gen, last.size, max(0.0, values[SCALE]))
+        if not values:  # nothing was generated since the specs changed
+            return last
+        if SCALE in values:
+            return Generated(last.t_gen, last.size, max(0.0, values[SCALE]))
+        return Generated(last.t_gen, last.size, self.information_type.scale(values), values)
+
+
+def _forecasts(kind: InformationType) -> tuple[FeatureForecast, list[str]]:
+    """Return what is forecast of the samples of a type, and how."""
+    return kind.forecast, [name for name, _ in kind.features]
 
 
 def usual_scale(stream: Stream) -> float:

@@ -83,6 +83,32 @@ def test_another_spec_changes_schedule_and_forecast_and_keeps_what_was_seen(make
     assert stream.expected(5.0) is stream.last
 
 
+MEAN, TREND = 'forecast = { features = "mean" }', 'forecast = { features = "trend" }'
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [((MEAN, "red"), (MEAN,)), ((MEAN,), (TREND,)), ((MEAN,), (MEAN, "red")), ((MEAN, "red"), (MEAN, "blue"))],
+)
+def test_where_other_features_are_forecast_the_next_sample_is_like_the_last_one(make_specs, before, after):
+    """Until one is generated: what is known of other features says nothing of it."""
+
+    def covering(forecast, *colors):
+        features = [f'features.{color} = {{ kind = "color_fraction", color = "{color}" }}' for color in colors]
+        head = '[[information_type]]\nname = "camera"\nkeys = ["robot/*/camera"]\nutility = { kind = "video" }'
+        return make_specs(text="\n".join((head, forecast, *features))).types[0], dict.fromkeys(colors, 0.2)
+
+    (old, seen), (new, seen_anew) = covering(*before), covering(*after)
+    stream = Stream(1, "r1", "robot/r1/camera", old)
+    stream.cover(old)
+    stream.note_generated(1, Generated(1.0, 100, 1.0, seen))
+    stream.cover(new)
+    stream.renew(Generated(1.0, 100, 1.0, seen_anew))
+    assert stream.expected(5.0) is stream.last
+    stream.note_generated(2, Generated(2.0, 100, 1.0, seen_anew))
+    assert stream.expected(5.0) == stream.last
+
+
 def test_a_function_that_fails_in_flight_is_counted_by_its_type(make_stream):
     """The last value holds, and the status of specs can tell."""
     stream = make_stream('{ features = { python = "tests.utility_specs.outlooks:broken" } }', 0.5, 2.0)
