@@ -68,7 +68,8 @@ class OwnSamples:
             return []
         stream = self._view.streams.touch(event.now, self._settings.robot, waiting.key)
         if stream is None:
-            return [self._pass_undecided(event.now, event.sample, waiting.key, waiting.size)]
+            passed = self._pass_undecided(event.now, event.sample, waiting.key, waiting.size)
+            return [passed, *self._gate.undecided.pass_deletions()]
         # A stream that was not covered for a while has forgotten its samples.
         forgotten = stream.last is None or stream.last.t_gen < waiting.t_gen
         waiting = self._valued(stream, waiting, event.features, stream.generated + forgotten)
@@ -92,7 +93,7 @@ class OwnSamples:
         self._gate.undecided.settled(event.sample)
         key = self._gate.outcomes.refused(event.now, event.sample, event.reason)
         self._kept.refused(key, event.sample)
-        return [*self.unplanned.look(event.now)]
+        return [*self._gate.undecided.pass_deletions(), *self.unplanned.look(event.now)]
 
     def copy_handed(self, event: ev.CopyHanded) -> list[Command]:
         """The mesh session took a copy."""

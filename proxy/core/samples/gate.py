@@ -60,8 +60,8 @@ class Gate:
 
     @property
     def waits(self) -> bool:
-        """Whether a sample waits, a copy does, or an answer is awaited."""
-        return bool(self._inbox) or bool(self._copies) or self.search.busy()
+        """Whether a sample waits, be it to be read again, a copy does, or an answer is awaited."""
+        return self.undecided.wait or bool(self._copies) or self.search.busy()
 
     def undecided_of(self, key: str) -> list[tuple[Waiting, float | None]]:
         """Return the samples of a key that are undecided, each with when there may be room for it [s], if it waits."""
@@ -73,11 +73,11 @@ class Gate:
         Where too many wait all go at once if the limits have room for them; if not, one leaves.
         """
         if self.appraisal.all_fits and not self.waits and (forwarded := self._send_fitting(now, waiting)) is not None:
-            return [forwarded]
+            return [forwarded, *self.undecided.pass_deletions()]
         if self.search.busy() and (stream := self.appraisal.stream_of(now, waiting)) is not None:
             self.appraisal.published(now, stream)
             if (forwarded := self._send_beside(now, stream, waiting)) is not None:
-                return [forwarded]
+                return [forwarded, *self.undecided.pass_deletions()]
         room = self._inbox.full(waiting) and self._takes_all(now, waiting)
         sent = self._send_all(now) if room else []
         return [*sent, *self.undecided.put(now, waiting)]

@@ -64,6 +64,11 @@ class Undecided:
     def __iter__(self) -> Iterator[Waiting]:
         return chain(self.inbox, self._unsettled.values(), self._search.deciding())
 
+    @property
+    def wait(self) -> bool:
+        """Whether samples wait, to be taken up or to be read again."""
+        return bool(self.inbox) or bool(self._unsettled)
+
     def holds(self, key: str) -> bool:
         """Whether a sample of a key is undecided."""
         return any(each.key == key for each in self)

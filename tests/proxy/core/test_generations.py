@@ -1,5 +1,7 @@
 """Specs that change while samples wait: each is worth what the specs in force say, and none is lost."""
 
+import pytest
+
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward, Reread
 from proxy.core.model.mode import Mode
@@ -81,3 +83,53 @@ def test_a_newer_sample_supersedes_one_that_is_read_again(make_talk, make_specs)
     talk.publish(0.3, key="robot/r1/a")
     assert only(talk.tell(ev.SampleReread(0.4, older, {})), Drop) == [Drop(older, "dropped:superseded")]
     assert talk.core.counts.conserved
+
+
+@pytest.fixture
+def reread(make_talk, make_specs):
+    """Samples of b and a, a deletion of b behind its own, and then these specs: what is to be read again."""
+
+    def change(specs):
+        talk = make_talk(make_specs(text=WEIGHED.format(1)))
+        for name in ("a", "b"):
+            talk.tell(ev.MatchingChanged(0.0, f"robot/r1/{name}", matching=True))
+        b, a = (talk.publish(0.1, key=f"robot/r1/{name}")[0] for name in ("b", "a"))
+        delete, nothing = talk.publish(0.2, key="robot/r1/b", size=0, delete=True)
+        assert only(nothing) == []
+        assert only(talk.tell(ev.SpecsChanged(0.3, make_specs(text=specs))), Reread)
+        return talk, (a, b, delete)
+
+    return change
+
+
+AMPLE, ELSEWHERE = WEIGHED.format(1).replace("limit = 20", "limit = 100000"), WEIGHED.format(1).replace("r1", "r2")
+
+
+@pytest.mark.parametrize("specs", [AMPLE, ELSEWHERE], ids=["ample", "uncovered"])
+def test_a_deletion_follows_a_sample_that_is_read_again(reread, specs):
+    """Also where that goes at once, as there is room for all, or nothing covers it any more."""
+    talk, (a, b, delete) = reread(specs)
+    talk.tell(ev.SampleReread(0.31, a, {}))
+    assert delete not in [command.sample for command in talk.all(Forward)]
+    talk.tell(ev.SampleReread(0.32, b, {}))
+    later, _ = talk.publish(0.5, key="robot/r1/b")
+    talk.tell(ev.TimePassed(0.6))
+    assert talk.all(Forward) == [Forward(sample) for sample in (a, b, delete, later)]
+
+
+def test_a_deletion_passes_where_the_sample_before_it_is_refused_before_it_is_read_again(reread):
+    """There is nothing before it any more."""
+    talk, (_, b, delete) = reread(AMPLE)
+    assert only(talk.tell(ev.SampleRefused(0.31, b))) == [Forward(delete)]
+
+
+def test_nothing_overtakes_a_deletion_that_waits_for_a_sample_to_be_read_again(reread):
+    """However much room there is."""
+    talk, (a, b, delete) = reread(AMPLE)
+    talk.tell(ev.SampleReread(0.31, a, {}))
+    later, nothing = talk.publish(0.32, key="robot/r1/b")
+    assert only(nothing) == []
+    talk.tell(ev.SampleReread(0.33, b, {}))
+    talk.tell(ev.TimePassed(0.4))
+    assert talk.all(Drop) == [Drop(b, "dropped:superseded")]
+    assert talk.all(Forward) == [Forward(sample) for sample in (a, delete, later)]
