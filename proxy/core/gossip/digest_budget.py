@@ -34,8 +34,8 @@ class StateBudget:
         return max(0.0, before) - max(0.0, self._debt)
 
     def owe(self, size: int, copies: int) -> None:
-        """Something of so many bytes went out in so many copies."""
-        self._debt += (size + TUNING.overhead) * copies
+        """Something of so many bytes went out in so many copies. Who asks again and again silences nobody for long."""
+        self._debt = min(self._debt + (size + TUNING.overhead) * copies, TUNING.deepest_state_debt * self._rate)
 
     @property
     def paid_in(self) -> float:

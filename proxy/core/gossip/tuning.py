@@ -67,6 +67,9 @@ class GossipTuning:
     """What is not spent is left for later up to this [s]."""
     deepest_debt: float = 10.0
     """Owed at most [s]: who tells more than its part silences nobody for long."""
+    deepest_state_debt: float = 50.0
+    """Owed at most for states, questions and answers [s]: honest teams owe less than 40 s in simulation. After 50
+    questions a second for a minute a robot told nothing new of its state for 16 minutes and more."""
 
     # When digests go, and what is in them.
     slowest_digest: float = 1.0

@@ -346,6 +346,14 @@ def test_what_went_out_is_paid_for_in_time(budget):
     assert budget.paid_in == 0.0
 
 
+def test_a_flood_of_questions_is_paid_for_within_a_minute(budget):
+    """However many there were: a robot tells its state again then."""
+    for _ in range(3000):
+        budget.owe(2000, 1)
+    assert budget.paid_in == pytest.approx(TUNING.deepest_state_debt)
+    assert budget.paid_in < 60.0
+
+
 def test_questions_of_all_robots_take_the_whole_allowance(budget):
     """Each with its answer."""
     assert budget.question_takes() == pytest.approx(10 * (TUNING.question + TUNING.answer) / 1000.0)
