@@ -62,6 +62,7 @@ class Changes:
     def __init__(self, parts: Parts, limits: TeamLimits, retention: Retention) -> None:
         self._view = parts.view
         self._capacity = parts.channel.capacity
+        self._counts = parts.counts
         self._gate = parts.gate
         self._states = parts.gossip.states
         self._limits = limits
@@ -93,6 +94,7 @@ class Changes:
     def specs(self, event: ev.SpecsChanged) -> list[Command]:
         """Another generation of specs is in force."""
         self._view.streams.set_specs(event.specs)
+        self._counts.retain({each.name for each in event.specs.types})
         self._states.review(event.now)
         self._view.restart_losses()
         self._limits.adopt(event.now)

@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from collections.abc import Collection
 
 from proxy.core.interface.commands import Notice
 from proxy.core.samples.tuning import TUNING
@@ -65,6 +66,11 @@ class Counts:
     def decide(self, type_: str, reason: str, count: int) -> None:
         """So many samples of an information type were decided on."""
         self.decided[type_, reason] += count
+
+    def retain(self, types: Collection[str]) -> None:
+        """There are only these information types from now on: what was counted of others goes."""
+        self.generated = Counter({name: count for name, count in self.generated.items() if name in types})
+        self.decided = Counter({place: count for place, count in self.decided.items() if place[0] in types})
 
     def passed(self, count: int, reason: str, size: int = 0) -> None:
         """`count` samples went through at once, `size` bytes of the air in all."""

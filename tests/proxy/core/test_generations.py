@@ -5,7 +5,7 @@ import pytest
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward, Reread
 from proxy.core.model.mode import Mode
-from tests.proxy.core.talk import only
+from tests.proxy.core.talk import UNLIMITED, only
 
 WEIGHED = """
 [[constraint]]
@@ -133,3 +133,16 @@ def test_nothing_overtakes_a_deletion_that_waits_for_a_sample_to_be_read_again(r
     talk.tell(ev.TimePassed(0.4))
     assert talk.all(Drop) == [Drop(b, "dropped:superseded")]
     assert talk.all(Forward) == [Forward(sample) for sample in (a, delete, later)]
+
+
+def test_types_that_are_gone_leave_no_counts(make_talk, make_specs):
+    """However often specs are edited there are no more than the types in force; what they counted goes on."""
+    talk = make_talk(make_specs(text=UNLIMITED + WEIGHED.format(1)))
+    talk.tell(ev.InterestChanged(0.0, ("**",)))
+    talk.want(0.0)
+    for key in ("robot/r1/camera", "robot/r1/any"):
+        talk.publish(0.1, key=key)
+    types = talk.core.totals(0.2)["types"]
+    assert types.keys() == {"camera", "any"}
+    talk.tell(ev.SpecsChanged(0.3, make_specs(text=UNLIMITED)))
+    assert talk.core.totals(0.4)["types"] == {"camera": types["camera"]}
