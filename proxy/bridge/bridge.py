@@ -174,11 +174,12 @@ class Bridge:
 
     def forward(self, number: int) -> None:
         """Send a covered sample to the mesh."""
-        held = self.payloads.release(number)
+        held = self.payloads.waiting(number)
         if held is None:
             self._core.post(SampleRefused(clock.monotonic(), number))
         else:
             self._egress.forward(number, held)
+            self.payloads.release(number)  # only now, or one of its key that passes would overtake it
 
     def send_copy(self, number: int, to: str) -> None:
         """Send a sample that is kept to the robot with this tag alone."""

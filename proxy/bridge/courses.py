@@ -7,7 +7,7 @@ from proxy.bridge.passed import BYPASS, DENIED, HEARTBEAT, MODE, NO_SPEC
 from proxy.bridge.rules import ADVANCED, Rules, Verdict
 from proxy.core.model.mode import Mode
 from proxy.runtime import LiveRuntime, Runtime
-from utility_specs import InformationType
+from utility_specs import InformationType, Specs
 
 
 class Course(NamedTuple):
@@ -18,6 +18,8 @@ class Course(NamedTuple):
     passes: str | None
     """Why they need no decision."""
     covering: InformationType | None
+    behind: InformationType | None
+    """By what type samples of the key may wait that came before: as specs change they may be covered no more."""
     numbered: bool
     """Whether they keep the numbers of their publishers."""
     each: bool
@@ -31,17 +33,20 @@ class Courses:
         self._live = live
         self._rules = rules
         self._sourced = sourced
-        self._known: tuple[Runtime, dict[str, Course]] = live.runtime, {}
-        """Those of one runtime: callbacks that still fill the courses of another one cannot spoil them."""
+        self._known: tuple[Runtime, Specs, dict[str, Course]] = live.runtime, Specs.empty(), {}
+        """Those of one runtime, after that with these specs.
+
+        Callbacks that still fill the courses of another one cannot spoil them.
+        """
 
     def of(self, key: str) -> Course:
         """Return the course of a key. Called for every sample."""
         runtime = self._live.runtime
-        of, courses = self._known
+        of, before, courses = self._known
         if of is not runtime:
-            courses = {}
-            self._known = runtime, courses
-        return courses.get(key) or self._work_out(key, runtime, courses)
+            before, courses = of.specs, {}
+            self._known = runtime, before, courses
+        return courses.get(key) or self._work_out(key, runtime, before, courses)
 
     def numbered(self, key: str) -> bool:
         """Whether samples of `key` keep the numbers of their publishers.
@@ -55,22 +60,25 @@ class Courses:
             return self._sourced
         return self._sourced and not runtime.drops(runtime.specs.match(key))
 
-    def _work_out(self, key: str, runtime: Runtime, courses: dict[str, Course]) -> Course:
+    def _work_out(self, key: str, runtime: Runtime, before: Specs, courses: dict[str, Course]) -> Course:
         if len(courses) >= BOUNDS.keys:
             courses.clear()
-        course = courses[key] = self._course(key, runtime)
+        course = courses[key] = self._course(key, runtime, before)
         return course
 
-    def _course(self, key: str, runtime: Runtime) -> Course:
+    def _course(self, key: str, runtime: Runtime, before: Specs) -> Course:
         verdict = self._rules.outward(key)
         dropped = DENIED if verdict is Verdict.DENIED else None
         if verdict is Verdict.COMPANION and not self._numbered(key.partition(ADVANCED)[0], runtime):
             dropped = HEARTBEAT
         covering = runtime.specs.match(key) if verdict is Verdict.ORDINARY else None
+        behind = before.match(key) if verdict is Verdict.ORDINARY else None
         if covering is not None and covering.bypass:
             covering, verdict = None, Verdict.BYPASS
         numbered = self._sourced and not runtime.drops(covering)
         if covering is None:
-            return Course(dropped, BYPASS if verdict is Verdict.BYPASS else NO_SPEC, None, numbered, each=False)
+            reason = BYPASS if verdict is Verdict.BYPASS else NO_SPEC
+            return Course(dropped, reason, None, behind, numbered, each=behind is not None)
         mode = runtime.mode_of(covering)
-        return Course(dropped, MODE if mode is Mode.PASS else None, covering, numbered, each=mode is Mode.SHADOW)
+        passes = MODE if mode is Mode.PASS else None
+        return Course(dropped, passes, covering, covering, numbered, each=mode is Mode.SHADOW)

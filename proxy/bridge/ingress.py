@@ -139,11 +139,11 @@ class Ingress:
             self._stamped.note(key, stamp)
         held = Held(sample, stamp, key, len(sample.payload), source)
         self._demand.note(key, sample, covered=course.covering is not None)
-        # Behind what waits for a decision: that had no turn yet when the mode became `pass`.
-        if course.passes is not None and (course.covering is None or not self._payloads.holds(key)):
+        # Behind what waits for a decision: that had no turn yet when the mode became `pass`, or specs dropped the key.
+        if course.passes is not None and (course.behind is None or not self._payloads.holds(key)):
             self._egress.pass_on(course.passes, held)
-        elif course.covering is not None:
-            self._hold(now, held, origin, course.covering, each=course.each)
+        elif course.behind is not None:
+            self._hold(now, held, origin, course.behind, each=course.each)
 
     def _drop(self, reason: str) -> None:
         if reason == DENIED:

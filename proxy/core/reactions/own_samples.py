@@ -44,9 +44,13 @@ class OwnSamples:
         # The period of a stream that is there may change by and by; a new stream is news.
         known = stream is None or stream.generated
         self._gossip.states.sample_came(event.now, event.size, new=not known)
-        if stream is None:
-            return [self._pass_undecided(event.now, event.sample, event.key, event.size)]
-        return self._covered(event, stream)
+        return self._uncover(event) if stream is None else self._covered(event, stream)
+
+    def _uncover(self, event: ev.SamplePublished) -> list[Command]:
+        """Pass a sample that specs cover no more, behind those of its key that are to be read again."""
+        before = [each.sample for each in self._gate.undecided if each.key == event.key]
+        passed = [command for each in before for command in self.reread(ev.SampleReread(event.now, each, {}))]
+        return [*passed, self._pass_undecided(event.now, event.sample, event.key, event.size)]
 
     def _covered(self, event: ev.SamplePublished, stream: Stream) -> list[Command]:
         """Queue a sample of a stream that specs plan for; its deletion passes if they say so."""

@@ -58,6 +58,16 @@ def test_a_course_stays_until_another_runtime_is_in_force(courses, live):
     assert courses.of("rest").passes == "passed:no-spec"
 
 
+def test_what_covered_a_key_is_known_until_the_next_change(courses, live):
+    """Samples may wait by it, but not of keys on which rules decide."""
+    covering = courses.of("rest").covering
+    live.swap(Specs.empty())
+    for key, behind in (("rest", covering), ("alarm", None), ("secret", None)):
+        assert (courses.of(key).covering, courses.of(key).behind) == (None, behind)
+    live.swap(Specs.empty())
+    assert courses.of("rest").behind is None
+
+
 def test_keys_that_are_remembered_are_bounded(courses, monkeypatch):
     """Of more all begin anew."""
     monkeypatch.setattr(courses_module, "BOUNDS", replace(BOUNDS, keys=1))

@@ -13,6 +13,7 @@ from proxy.core.model.mode import Mode
 from tests.proxy.bridge.robots import fence_apps, team, wait_interest
 from tests.proxy.nodes import Heard, wait_matching
 from tests.waiting import wait_until
+from utility_specs import Specs
 
 
 @pytest.fixture
@@ -276,6 +277,44 @@ def test_in_mode_pass_samples_go_behind_those_of_their_key_that_wait(pair, wante
     app.put("covered/a", "third", **block)
     wait_until(lambda: wanted.payloads[-1] == "third", what="the next one, at once")
     assert len(pair[0].asked) == 2
+
+
+@pytest.mark.usefixtures("wanted")
+def test_what_specs_cover_no_more_goes_behind_samples_of_its_key_that_wait(pair, wanted):
+    """These were to be decided; other keys go at once, and so does that one once nothing of it waits."""
+    app, block = pair[0].node(), {"congestion_control": zenoh.CongestionControl.BLOCK}
+    app.put("covered/a", "first", **block)
+    wait_until(lambda: pair[0].asked, what="the first one")
+    pair[0].swap(Specs.empty())
+    app.put("covered/a", "second", **block)
+    app.put("covered/b", "other", **block)
+    wait_until(lambda: wanted.payloads == ["other"], what="the one of another key")
+    wait_until(lambda: len(pair[0].asked) == 2, what="the second one")
+    for asked in pair[0].asked:
+        pair[0].bridge.forward(asked.sample)
+    wait_until(lambda: wanted.payloads == ["other", "first", "second"], what="both")
+    app.put("covered/a", "third", **block)
+    wait_until(lambda: wanted.payloads[-1] == "third", what="the next one, at once")
+    assert len(pair[0].asked) == 2
+
+
+@pytest.mark.usefixtures("wanted")
+def test_a_sample_waits_until_the_mesh_session_has_it(pair, monkeypatch):
+    """What passes meanwhile, on another thread, would overtake it."""
+    bridge, waits = pair[0].bridge, []
+    forward = bridge._egress.forward
+
+    def watched(number, held):
+        waits.append(bridge.payloads.holds(held.key))
+        forward(number, held)
+        waits.append(bridge.payloads.holds(held.key))
+
+    monkeypatch.setattr(bridge._egress, "forward", watched)
+    pair[0].node().put("covered/a", "x", congestion_control=zenoh.CongestionControl.BLOCK)
+    wait_until(lambda: pair[0].asked, what="the sample")
+    bridge.forward(pair[0].asked[0].sample)
+    assert waits == [True, True]
+    assert not bridge.payloads.holds("covered/a")
 
 
 def test_what_is_subscribed_to_stays_while_something_wider_comes_and_goes(pair):

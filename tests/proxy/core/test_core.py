@@ -305,15 +305,15 @@ def test_the_state_is_told_when_it_changes_and_only_then(make_talk):
 
 
 def test_new_specs_are_in_force_whole_at_the_next_decision(make_talk, make_specs):
-    """Limits and types change together; streams that are no longer covered pass."""
+    """Limits and types change together; streams that are no longer covered pass, what waited of them first."""
     talk = make_talk()
     talk.want(0.0)
-    talk.publish(0.1)
+    first, _ = talk.publish(0.1)
     other = UNLIMITED.replace("robot/*/camera", "other/*")
     talk.tell(ev.SpecsChanged(0.2, make_specs(text=other)))
     assert talk.core.budget.limits == ()
     sample, commands = talk.publish(0.3)
-    assert only(commands) == [Forward(sample)]
+    assert only(commands) == [Forward(first), Forward(sample)]
 
 
 def test_a_robot_that_leaves_is_out_of_the_plan(make_talk):

@@ -135,6 +135,15 @@ def test_nothing_overtakes_a_deletion_that_waits_for_a_sample_to_be_read_again(r
     assert talk.all(Forward) == [Forward(sample) for sample in (a, delete, later)]
 
 
+def test_what_specs_cover_no_more_goes_behind_samples_of_its_key_that_wait(reread):
+    """It may come before these are read again: they pass first, and a deletion in its place."""
+    talk, (a, b, delete) = reread(ELSEWHERE)
+    later, _ = talk.publish(0.31, key="robot/r1/b")
+    for sample in (a, b):
+        talk.tell(ev.SampleReread(0.32, sample, {}))
+    assert talk.all(Forward) == [Forward(sample) for sample in (b, delete, later, a)]
+
+
 def test_types_that_are_gone_leave_no_counts(make_talk, make_specs):
     """However often specs are edited there are no more than the types in force; what they counted goes on."""
     talk = make_talk(make_specs(text=UNLIMITED + WEIGHED.format(1)))
