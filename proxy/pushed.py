@@ -71,8 +71,12 @@ class Folder:
         try:
             if self._holds(files):
                 return
-            self._stage(files)
-            self._check_staged()
+            try:
+                self._stage(files)
+                self._check_staged()
+            except BaseException:
+                shutil.rmtree(self._staged, ignore_errors=True)
+                raise
             shutil.rmtree(self._previous, ignore_errors=True)
             if self._path.exists():
                 self._path.rename(self._previous)
@@ -88,6 +92,7 @@ class Folder:
         self._path.rename(self._staged)
         if self._previous.exists():
             self._previous.rename(self._path)
+        shutil.rmtree(self._staged, ignore_errors=True)
 
     def mend(self) -> None:
         """Finish what an interrupted push began: what was staged had been found right."""

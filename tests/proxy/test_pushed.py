@@ -120,7 +120,7 @@ def test_mistakes_leave_the_folder_alone(path):
         Folder(path).put({"empty.toml": b""})
     with pytest.raises(SpecsError, match=r"^specs: information_type: is missing"):
         Folder(path).put({"empty.toml": b"", "void.toml": b""})
-    assert contents(path) == {"old.toml": GOOD}
+    assert contents(path.parent) == {"specs.d/old.toml": GOOD}
 
 
 def test_a_push_can_be_undone(path):
@@ -152,6 +152,16 @@ def test_an_interrupted_push_is_finished(path):
     path.rename(path.with_name("specs.d.pushed"))
     Folder(path).mend()
     assert weight(path) == 2.0
+
+
+def test_a_push_that_was_refused_is_not_finished(path):
+    """Whoever takes the specs away later gets none, though there are previous ones."""
+    Folder(path).put({"new.toml": OTHER})
+    with pytest.raises(SpecsError):
+        Folder(path).put({"wrong.toml": b"wrong"})
+    path.rename(path.with_name("saved"))
+    Folder(path).mend()
+    assert not path.exists()
 
 
 def test_a_folder_that_was_removed_stays_away(path):
