@@ -9,7 +9,7 @@ from proxy.config import FleetConfig
 from proxy.core.model.mode import Mode
 from proxy.errors import PushError
 from proxy.pushed import Folder, unpack
-from proxy.reloading import Reloading
+from proxy.reloading import Reloading, unjudged
 from utility_specs import SpecsError
 
 log = logging.getLogger(__name__)
@@ -43,6 +43,8 @@ def replaced(robot: str, reloading: Reloading, raw: bytes) -> Outcome:
         folder.put(files)
     except (PushError, SpecsError) as error:
         return _refused(robot, tuple(str(error).splitlines()))
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever comes, a daemon goes on as before
+        return _refused(robot, (unjudged(error),))
     problems = reloading.reload("specs were pushed")
     if problems:
         folder.undo()

@@ -99,10 +99,10 @@ class Reloading:
         try:
             loaded, changed = self._next()
         except (ConfigError, SpecsError) as error:
-            known, self._problems = self._problems, tuple(map(str, error.problems))
-            self._refused += 1
-            if self._problems != known:
-                log.error("%s, nothing is reloaded: %s", why, "; ".join(self._problems))
+            self._refuse(why, tuple(map(str, error.problems)))
+            return
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever files say, a daemon goes on as before
+            self._refuse(why, (unjudged(error),))
             return
         if changed or loaded.specs.generation != self.loaded.specs.generation:
             try:
@@ -116,6 +116,12 @@ class Reloading:
         for outdated in loaded.config.outdated:
             if outdated not in before.config.outdated:
                 log.warning("%s", outdated)
+
+    def _refuse(self, why: str, problems: tuple[str, ...]) -> None:
+        known, self._problems = self._problems, problems
+        self._refused += 1
+        if problems != known:
+            log.error("%s, nothing is reloaded: %s", why, "; ".join(problems))
 
     def _next(self) -> tuple[Loaded, tuple[Change, ...]]:
         """Read everything; raises ConfigError or SpecsError, also for what cannot change now."""
@@ -134,6 +140,11 @@ class Reloading:
         """Return the problem at a key, which no file need hold: it may have been removed."""
         files = ConfigFiles.read(self._file)
         return files.problem(path, message, files.values)
+
+
+def unjudged(error: BaseException) -> str:
+    """Return what is told of files that make us fail, which is our mistake or that of an operator's own code."""
+    return f"cannot be judged: {type(error).__name__}: {' '.join(str(error).split())}".removesuffix(": ")
 
 
 def _told(change: Change) -> str:

@@ -70,6 +70,10 @@ def test_specs_are_put_in_force(robot):
             pack({"a.toml": GOOD.replace(b"video", b"vidoe"), "b.toml": b"x"}),
             ('a.toml:6: information_type "camera": utility.kind: ', "b.toml:1: not valid TOML: "),
         ),
+        (
+            pack({"a.toml": GOOD + b'aggregation = { python = "tests.utility_specs.models:Hiding" }\n'}),
+            ("cannot be judged: RuntimeError: one two",),
+        ),
     ],
 )
 def test_specs_with_mistakes_change_nothing(robot, raw, said):
@@ -79,7 +83,7 @@ def test_specs_with_mistakes_change_nothing(robot, raw, said):
     assert [line.startswith(start) for line, start in zip(sorted(outcome.said), said, strict=True)] == [True] * len(
         said
     )
-    assert contents(robot.folder) == {"old.toml": GOOD}
+    assert contents(robot.folder.parent) == {"specs.d/old.toml": GOOD}
     assert robot.reloading.loaded.specs.types[0].scale({}) == 1.0
 
 
@@ -89,4 +93,4 @@ def test_specs_that_cannot_be_in_force_are_taken_back(robot):
     outcome = robot.obeyed["specs"](pack({"new.toml": OTHER}))
     assert not outcome.obeyed
     assert '"r1" is in force, not "r2"' in outcome.said[0]
-    assert contents(robot.folder) == {"old.toml": GOOD}
+    assert contents(robot.folder.parent) == {"specs.d/old.toml": GOOD}

@@ -6,6 +6,7 @@ import pytest
 
 from proxy.config_loading import load_config
 from proxy.reloading import Loaded, Reloading, read_specs
+from tests.utility_specs.models import Hiding
 from utility_specs import SpecsError
 
 CONFIG = 'robot = "r1"\nmode = "enforce"\n'
@@ -112,6 +113,16 @@ def test_several_mistakes_are_counted_in_the_warning(files):
     files.specs.write_text(SPECS.replace("1.0", '"much"').replace("video", "vidoe"))
     assert len(files.looked()["problems"]) == 2
     assert files.reloading.warnings()[0].endswith(" (and 1 more mistake)")
+
+
+def test_whatever_fails_changes_nothing(files):
+    """Also what nobody foresaw, such as an aggregation that fails when it is looked at."""
+    files.specs.write_text(f'{SPECS}aggregation = {{ python = "{Hiding.__module__}:Hiding" }}\n')
+    assert files.looked()["problems"] == ["cannot be judged: RuntimeError: one two"]
+    assert not files.applied
+    files.specs.write_text(SPECS.replace("1.0", "3.0"))
+    assert files.looked()["problems"] == []
+    assert files.weight == 3.0
 
 
 def test_a_file_that_cannot_be_read_is_a_bad_one(files):

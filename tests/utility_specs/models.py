@@ -1,5 +1,6 @@
 """Aggregations that specs of the tests name."""
 
+import sys
 import threading
 
 
@@ -62,6 +63,19 @@ class Listing(Greatest):
 class Demanding(Greatest):
     def __init__(self, what):
         self.what = what
+
+
+class Leaving(Greatest):
+    def __init__(self):
+        sys.exit("no")
+
+
+class Hiding(Greatest):
+    """Fails where nobody expects it."""
+
+    @property
+    def empty(self):
+        raise RuntimeError("one\ntwo")
 
 
 class Lacking:

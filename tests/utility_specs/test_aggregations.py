@@ -41,6 +41,7 @@ def test_a_table_that_was_read_is_read_again():
         ("Endless", r"^Endless.value\(\) returned inf: it must be finite"),
         ("Listing", r"^Listing.empty\(\) returned a list: states must be hashable"),
         ("Demanding", r"models:Demanding\(\) failed: TypeError: "),
+        ("Leaving", r"models:Leaving\(\) failed: SystemExit: no$"),
         ("Lacking", r"models:Lacking has no add\(\) and no value\(\); an aggregation has empty, add, value$"),
     ],
 )

@@ -39,7 +39,7 @@ class AttachmentTable(PathTable):
 
     kind: Literal["attachment"]
     format: Literal[Format, Raw] = Field(description="What the attachment is: a document, or a number's bytes.")
-    offset: int = Field(default=0, ge=0, description="Where the bytes of the number begin [B].")
+    offset: int = Field(default=0, ge=0, le=2**31 - 1, description="Where the bytes of the number begin [B].")
     byte_order: Literal["little", "big"] = Field(default="little", description="Which byte of the number comes first.")
 
     @model_validator(mode="after")

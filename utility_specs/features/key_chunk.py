@@ -13,6 +13,10 @@ from utility_specs.features.sample import Sample
 _NUMBERS = re.compile(r"\d+(?:\.\d+)?", re.ASCII)
 
 
+MOST = 65_535
+"""Chunks that a key may have, and more than any has."""
+
+
 @dataclass(frozen=True, slots=True)
 class KeyChunk(Feature):
     """The number in the chunk with an index, which counts from 0, or from the end where it is negative."""
@@ -37,7 +41,7 @@ class KeyChunkTable(FeatureTable):
     """`{ kind = "key_chunk", index = … }`: the number in a chunk of the key."""
 
     kind: Literal["key_chunk"]
-    index: int = Field(description="Which chunk, from 0 on; -1 is the last.")
+    index: int = Field(ge=-MOST, le=MOST, description="Which chunk, from 0 on; -1 is the last.")
 
     def feature(self) -> KeyChunk:
         """Return the feature that the table describes."""

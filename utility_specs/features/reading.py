@@ -1,6 +1,7 @@
 """How a value in a document becomes a number: it is one, it is compared, or many are reduced to one."""
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -8,15 +9,19 @@ from pydantic import BeforeValidator, Field, model_validator
 from utility_specs.errors import FeatureError
 from utility_specs.features.feature import FeatureTable
 from utility_specs.features.path import Path, Step, follow, many, steps_of
-from utility_specs.suggestions import described
+from utility_specs.suggestions import LONGEST_NUMBER, described
 
 Reduction = Literal["length", "min", "max", "mean", "sum"]
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, bool | int | float | str):
-        return value
-    raise ValueError(f"must be a string, a number, true or false, not {described(value)}")
+    if not isinstance(value, bool | int | float | str):
+        raise ValueError(f"must be a string, a number, true or false, not {described(value)}")  # noqa: TRY004 - for pydantic
+    if isinstance(value, float) and not isfinite(value):
+        raise ValueError(f"must be finite, not {described(value)}")
+    if isinstance(value, int) and value.bit_length() > LONGEST_NUMBER:
+        raise ValueError(f"must have {LONGEST_NUMBER} bits at most, not be {described(value)}")
+    return value
 
 
 Plain = Annotated[bool | int | float | str, BeforeValidator(_plain)]

@@ -34,6 +34,8 @@ def typestore(distro: Distro, name: str, definition: str | None) -> Any:
         raise ValueError("the definition cannot be used: " + " ".join(str(error).split())) from None
     except KeyError as error:
         raise ValueError(f"the definition uses {quoted(str(error.args[0]))}, which is not known") from None
+    except RecursionError:
+        raise ValueError("the definition cannot be used: a type is in itself, or too deep in others") from None
     if name not in store.fielddefs:
         raise ValueError(f"unknown type {quoted(name)}" + _likely(name, store.fielddefs))
     return store

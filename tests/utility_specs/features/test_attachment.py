@@ -49,6 +49,7 @@ def test_no_attachment_or_one_that_is_too_short(attachment):
         ({"format": "float32", "path": "a"}, 'path has no meaning with format = "float32"'),
         ({"format": "json", "offset": 4}, 'offset has no meaning with format = "json"'),
         ({"format": "json", "offset": -1}, "greater than or equal"),
+        ({"format": "int8", "offset": 2**31}, "less than or equal"),
         ({"format": "float16"}, "Input should be"),
         ({}, "Field required"),
     ],

@@ -1,6 +1,7 @@
 """Numbers in keys."""
 
 import pytest
+from pydantic import ValidationError
 
 from utility_specs.features.key_chunk import KeyChunkTable
 from utility_specs.features.sample import Sample
@@ -19,3 +20,10 @@ def test_no_number_or_several(key, index):
     """The caller then takes the default."""
     with pytest.raises((ValueError, IndexError)):
         KeyChunkTable(kind="key_chunk", index=index).feature().measure(Sample(key, b""))
+
+
+@pytest.mark.parametrize("index", [-65_536, 65_536, pytest.param(16**5000, id="huge")])
+def test_no_key_has_so_many_chunks(index):
+    """Numbers that nothing can write are refused like any other."""
+    with pytest.raises(ValidationError, match="index"):
+        KeyChunkTable(kind="key_chunk", index=index)

@@ -110,6 +110,7 @@ def test_a_definition_adds_types():
         ("a/msg/B", "float32 x\nother/Odd y\n", 'the definition uses "other/msg/Odd", which is not known'),
         ("a/msg/B", "float32 = = 3", "the definition cannot be used: Could not parse"),
         ("std_msgs/msg/Bool", "float64 data\n", "the definition cannot be used: Type 'std_msgs/msg/Bool' is already"),
+        ("a/msg/B", "float64 x\na/B[] more\n", "the definition cannot be used: a type is in itself"),
     ],
 )
 def test_types_that_cannot_be_used_are_refused(name, definition, message):
