@@ -1,6 +1,8 @@
-"""Computes features that take longer than they may: on a thread of its own, on which nothing waits."""
+"""Computes features that take longer than they may, or may never end: on a thread of its own, and holds up none."""
 
+import math
 from collections.abc import Callable
+from functools import partial
 from threading import Event
 
 from proxy import clock
@@ -13,6 +15,8 @@ class Background(SerialExecutor):
 
     def __init__(self) -> None:
         super().__init__("costly features", TUNING.costly_jobs)
+        self._began = math.inf
+        """When the job in hand was begun [s]."""
 
     def now(self) -> float:
         """Return the time on our clock [s]."""
@@ -34,3 +38,21 @@ class Background(SerialExecutor):
 
         self.insist(run)
         return done.wait(patience)
+
+    def insist(self, job: Callable[[], object]) -> None:
+        """Do `job` when its turn comes, however many wait."""
+        super().insist(partial(self._do, job))
+
+    def _do(self, job: Callable[[], object]) -> None:
+        self._began = self.now()
+        try:
+            job()
+        finally:
+            self._began = math.inf
+
+    def warnings(self, now: float) -> list[str]:
+        """Say when a job takes so long that it may never end."""
+        if now <= self._began + TUNING.hangs_after:
+            return []
+        what = f"a feature takes longer than {TUNING.hangs_after:g} s, and old values of others hold meanwhile"
+        return [f"{what}: see functions of your own in the specs"]

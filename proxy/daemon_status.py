@@ -87,6 +87,7 @@ class DaemonStatus:
             *self.lookout.warnings(),
             *(self.scouted.warnings() if self.scouted else ()),
             *self.planning.warnings(clock.monotonic()),
+            *self.extractor.warnings(clock.monotonic()),
             *self.reloading.warnings(),
             *self.bridge.warnings(),
             *self.recording.warnings(),

@@ -7,7 +7,8 @@ Where only the most recent sample of a stream counts, the core is not told of mo
 has not been taken up, a newer one takes its place. That costs neither an extraction nor an event. Where all samples of
 a key go whatever else comes none gives way, unless many wait: beside eight busy loops a stream of 500 Hz lost 31 % of
 its samples though all had room.
-What takes longer than its budget is computed in the background, so that no stream waits for another one's features.
+What takes longer than its budget, or may never end, is computed in the background, so that no stream waits for another
+one's features.
 """
 
 import math
@@ -86,6 +87,10 @@ class Extractor:
         self._thread = threading.Thread(target=self._run, name="features", daemon=True)
         self._background = Background()
         self.superseded = 0
+
+    def warnings(self, now: float) -> list[str]:
+        """Say when a feature does not come to its end."""
+        return self._background.warnings(now)
 
     def close(self, timeout: float) -> None:
         """Stop; wait at most `timeout` [s] for the extractions in hand."""

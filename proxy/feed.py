@@ -67,11 +67,11 @@ class Feed:
                 self.handle(ClockChanged(now, wall.offset, wall.error))
             self.notes = self.core.notes
             return self.core.wake_at(now)
-        except Exception as error:  # noqa: BLE001 - whatever fails in there
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever fails in there
             self.fail(item, error)
             return clock.monotonic() + TUNING.after_fault
 
-    def fail(self, item: Item, error: Exception) -> None:
+    def fail(self, item: Item, error: BaseException) -> None:
         """The core could not handle this."""
         self.faults += 1
         log.error("the core cannot handle %s", type(item).__name__, exc_info=error)

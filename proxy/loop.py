@@ -145,7 +145,7 @@ class Loop:
             while agenda.following and self.feed.passes(agenda.following[0]):
                 agenda.following.popleft()
             self._wake_at = self.core.wake_at(event.now)
-        except Exception as error:  # noqa: BLE001 - whatever fails in there
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever fails in there
             self.feed.fail(event, error)
         finally:
             self._user = 0

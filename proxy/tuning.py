@@ -47,6 +47,8 @@ class DaemonTuning:
     wake on a machine with time, and 3 to 5 ms in each fourth case where two cores were busy."""
     costly_jobs: int = 8
     """Samples whose costly features may wait to be extracted; each is held meanwhile."""
+    hangs_after: float = 2.0
+    """A feature that takes longer may never come to its end [s]."""
 
     # Decisions
     iterations: int = 25

@@ -17,7 +17,7 @@ ABSENT = "the sample has no attachment"
 _NAMES = {"json": "JSON", "msgpack": "MessagePack"}
 
 
-def reason_of(error: Exception, feature: Feature, sample: Sample) -> str:
+def reason_of(error: BaseException, feature: Feature, sample: Sample) -> str:
     """Return why `feature.measure(sample)` raised the error."""
     if _reads_nothing(feature, sample):
         return "the sample has no payload"
@@ -31,7 +31,7 @@ def _reads_nothing(feature: Feature, sample: Sample) -> bool:
     return feature.reads_payload and not attached and not sample.payload
 
 
-def _of_document(error: Exception, feature: Document, sample: Sample) -> str:
+def _of_document(error: BaseException, feature: Document, sample: Sample) -> str:
     try:
         document = feature.document(sample)
     except Exception as broken:  # noqa: BLE001 - payloads are broken in every way
@@ -62,7 +62,7 @@ def _lacking(document: Any, feature: Document) -> str | None:
     return None
 
 
-def _words(error: Exception, sample: Sample) -> str:
+def _words(error: BaseException, sample: Sample) -> str:
     """Return an error's text on one line, without the key of the sample, with its kind where the text says little."""
     text, kind = " ".join(str(error).split()), type(error).__name__
     while text.startswith(outer := (f"{sample.key}: ", "FeatureError: ")):

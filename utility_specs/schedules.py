@@ -75,7 +75,7 @@ class PythonRule:
         """
         try:
             answer = sorted(map(float, self.function(list(times), until)))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise ProblemError(f"{self.path} failed: {type(error).__name__}: {error}") from error
         if not all(map(math.isfinite, answer)):
             raise ProblemError(f"{self.path} returned a time that is not finite")

@@ -215,7 +215,8 @@ class InformationType:
 
         With a `background` a feature that takes longer than its budget is computed there, as often as the budget
         allows; until then its last value of the stream holds, which is counted, too. So is the first one, of which
-        nobody knows what it takes: it is waited for as long as its budget allows.
+        nobody knows what it takes, and each one that may never come to its end: it is waited for as long as its budget
+        allows.
         """
         if not self.features:
             return {}
@@ -227,12 +228,13 @@ class InformationType:
             return self._measured(name, feature, sample)
         pace = self.paces.of(name, sample.key, feature.default)
         timed = partial(self._timed, name, feature, sample, background, pace)
-        if pace.quick(feature.budget):
+        if feature.ends and pace.quick(feature.budget):
             return timed()
         if pace.due(feature.budget):
-            if pace.cost is None and background.within(feature.budget, timed):
-                return pace.value
-            if pace.cost is not None and not background.later(timed):
+            if pace.cost is None or pace.quick(feature.budget):
+                if background.within(feature.budget, timed):
+                    return pace.value
+            elif not background.later(timed):
                 pace.refused()
         self.paces.hold(name)
         return pace.value
@@ -246,7 +248,7 @@ class InformationType:
     def _measured(self, name: str, feature: Feature, sample: Sample) -> float:
         try:
             value = float(feature.measure(sample))
-        except Exception:  # noqa: BLE001 - the data path survives any payload and any feature
+        except (Exception, SystemExit):  # noqa: BLE001 - the data path survives any payload and any feature
             value = math.nan
         if math.isfinite(value):
             return value

@@ -52,7 +52,7 @@ class Failing:
     def _answer(self, method, right):
         if method != self._method:
             return right
-        if isinstance(self._result, Exception):
+        if isinstance(self._result, BaseException):
             raise self._result
         return self._result
 

@@ -57,6 +57,19 @@ def test_a_job_that_fails_is_survived(background, caplog):
     assert "ZeroDivisionError" in caplog.text
 
 
+def test_a_job_that_hangs_is_a_warning(background):
+    """Until it is over."""
+    gate, begun = threading.Event(), threading.Event()
+    assert background.warnings(background.now() + 60.0) == []
+    background.later(lambda: begun.set() or gate.wait(60.0))
+    assert begun.wait(60.0)
+    assert background.warnings(background.now()) == []
+    (warning,) = background.warnings(background.now() + 60.0)
+    assert warning.startswith("a feature takes longer than 2 s, and old values of others hold")
+    gate.set()
+    wait_until(lambda: not background.warnings(background.now() + 60.0), what="its end")
+
+
 def test_a_stop_waits_for_the_job_in_hand_no_longer_than_it_may():
     """What waits is not begun any more."""
     background, gate, begun, done = Background(), threading.Event(), threading.Event(), []

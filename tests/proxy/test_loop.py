@@ -1,5 +1,6 @@
 """The loop feeds the core, in order, and lets time pass."""
 
+import sys
 import threading
 from contextlib import ExitStack
 from functools import partial
@@ -86,11 +87,12 @@ def test_jobs_run_when_their_time_has_come(loop, monkeypatch):
     wait_until(lambda: ran == ["at once", "first", "second", "last"], what="the last one")
 
 
-def test_what_cannot_be_handled_is_counted_and_the_loop_goes_on(loop, executed, caplog):
+@pytest.mark.parametrize("error", [RuntimeError, SystemExit])
+def test_what_cannot_be_handled_is_counted_and_the_loop_goes_on(loop, executed, caplog, error):
     """A fault is logged and counted, and the next event is handled."""
 
     def broken():
-        raise RuntimeError("broken")
+        raise error("broken")
 
     loop.post(broken)
     loop.post(PeerAppeared(clock.monotonic(), "r2", "z2"))
@@ -311,6 +313,13 @@ def test_a_core_that_chokes_on_a_sample_is_counted(led, passing, monkeypatch, ca
     assert led.feed.faults == 1
     assert "the core cannot handle SamplePublished" in caplog.text
     led.ask(lambda: None, 20.0)
+
+
+def test_a_sample_that_ends_its_thread_is_counted(led, passing, monkeypatch):
+    """Where an operator's own code calls exit."""
+    monkeypatch.setattr(passing, "pass_on", lambda _: sys.exit())
+    wait_until(lambda: led.lead(sample(1)), what="the lease of the core")
+    assert led.feed.faults == 1
 
 
 def test_who_brings_a_sample_sees_to_all_that_follows(led, passing):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import queue
+import sys
 import threading
 
 import pytest
@@ -69,6 +70,21 @@ def test_a_planner_that_fails_is_told_as_such(command):
     ready = decide(broken, SearchSettings(), FOREVER)
     assert ready.plan is None
     assert ready.error.startswith("ProblemError: ")
+
+
+def test_a_search_that_would_end_its_thread_has_failed(command):
+    """A utility that calls exit is told like any other failure."""
+
+    class Leaving:
+        value = Video().value
+
+        def integral(self, _start, _end):
+            sys.exit("no")
+
+    messages = tuple(message._replace(utility=Leaving()) for message in command.problem.messages)
+    broken = dataclasses.replace(command, problem=dataclasses.replace(command.problem, messages=messages))
+    ready = decide(broken, SearchSettings(), FOREVER)
+    assert (ready.plan, ready.error) == (None, "SystemExit: no")
 
 
 def test_a_decision_that_pauses_goes_on_where_it_was(command):

@@ -1,5 +1,7 @@
 """Functions that specs of tests name: forecasts of features, and schedules."""
 
+import sys
+
 
 def doubled(_times, values, _t):
     return 2.0 * values[-1]
@@ -26,6 +28,10 @@ def two_then_nothing(times, until):
 
 def never_finite(_times, _until):
     return [float("nan")]
+
+
+def leaving(*_):
+    sys.exit("no")
 
 
 def no_list(_times, _until):

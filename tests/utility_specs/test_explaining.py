@@ -1,6 +1,7 @@
 """Why a sample is worth what it is."""
 
 import json
+import sys
 
 import cv2
 import numpy as np
@@ -85,6 +86,17 @@ def test_a_feature_that_fails_has_its_default_and_says_why(specs):
     assert (red.value, red.why) == (0.5, 'no field "red" in the document (it has: "rot")')
     endless = explain(specs(), "robot/r1/camera/0", b'{"red": Infinity}').worth.features[0]
     assert (endless.value, endless.why) == (0.5, "inf is no finite number")
+
+
+def leaving(_key, _payload):
+    sys.exit("no")
+
+
+def test_a_feature_that_calls_exit_has_failed(specs):
+    """Whoever asks for an explanation gets one."""
+    own = SPECS.replace('{ kind = "size" }', f'{{ kind = "python", function = "{__name__}:leaving", default = 3.0 }}')
+    idle = explain(specs(own), "robot/r1/camera/0", b'{"red": 1}').worth.features[1]
+    assert (idle.value, idle.why) == (3.0, "SystemExit: no")
 
 
 def test_expressions_without_a_value_count_as_the_daemon_counts_them(specs):

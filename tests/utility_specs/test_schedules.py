@@ -71,6 +71,7 @@ def test_a_functions_answer_is_put_in_order():
     ("function", "message"),
     [
         (outlooks.never_finite, "x:y returned a time that is not finite"),
+        (outlooks.leaving, "x:y failed: SystemExit: no"),
         (outlooks.no_list, "x:y failed: TypeError"),
     ],
 )

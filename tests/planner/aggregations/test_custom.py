@@ -1,5 +1,6 @@
 """Aggregations of the caller's own."""
 
+import sys
 from dataclasses import replace
 
 import pytest
@@ -83,6 +84,7 @@ def test_states_of_the_table_are_bounded():
     [
         ("empty", ValueError("no"), r"Failing\.empty\(\) failed: ValueError: no"),
         ("add", ZeroDivisionError("zero"), r"Failing\.add\(\) failed: ZeroDivisionError: zero"),
+        ("add", SystemExit(3), r"Failing\.add\(\) failed: SystemExit: 3"),
         ("value", KeyError("k"), r"Failing\.value\(\) failed: KeyError: 'k'"),
         ("value", float("nan"), r"Failing\.value\(\) returned nan"),
         ("value", float("inf"), r"Failing\.value\(\) returned inf"),
@@ -131,13 +133,17 @@ class Touchy:
     def __hash__(self):
         if self._method == "hash":
             raise ValueError("no hash")
+        if self._method == "exit":
+            sys.exit("no hash")
         return 1
 
     def __eq__(self, other):
+        if self._method == "exit eq":
+            sys.exit("no comparison")
         raise ArithmeticError("no comparison")
 
 
-@pytest.mark.parametrize("method", ["hash", "eq"])
+@pytest.mark.parametrize("method", ["hash", "exit", "eq", "exit eq"])
 def test_states_that_fail_are_a_problem_of_the_stream(method):
     """Whatever their methods raise."""
 

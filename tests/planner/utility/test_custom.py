@@ -1,6 +1,7 @@
 """Message utility by a Python function."""
 
 import math
+import sys
 from functools import partial
 
 import numpy as np
@@ -87,6 +88,7 @@ def constant(value, dtype=np.float64):
     ("function", "says"),
     [
         (lambda age, features: age * features["red"], "raises KeyError: 'red'"),
+        (lambda _age, _features: sys.exit(3), "raises SystemExit: 3"),
         (lambda age: age, "raises TypeError: .*takes 1 positional argument"),
         (lambda _age, _features: 1.0, "returns a float, not an array with a value for every age"),
         (lambda _age, _features: None, "returns a NoneType, not an array"),

@@ -1,5 +1,6 @@
 """How often costly features are computed."""
 
+import sys
 from dataclasses import dataclass, replace
 
 import pytest
@@ -202,18 +203,55 @@ def test_the_first_one_is_waited_for_no_longer_than_its_budget(paced):
     assert each.paces.held() == {"slow": 3, "quick": 2}
 
 
+class Endless(Slow):
+    """It may never come to an end."""
+
+    ends = False
+
+
+class Leaving(Slow):
+    """Ends the thread that computes it, if it can."""
+
+    def measure(self, _sample):
+        sys.exit()
+
+
+def only(each, feature):
+    return replace(each, features=(("x", feature),))
+
+
+def test_what_may_never_end_is_waited_for_no_longer_than_its_budget(paced):
+    """However quick it was before; a sample comes while it hangs, and none hangs behind it."""
+    bench = Bench()
+    each = only(paced(bench), Endless(bench, BUDGET / 2, budget=BUDGET))
+    assert each.extract("t", b"1", None, bench) == {"x": 1.0}
+    assert each.extract("t", b"2", None, bench) == {"x": 2.0}
+    bench.prompt = False
+    assert each.extract("t", b"3", None, bench) == {"x": 2.0}
+    assert each.extract("t", b"4", None, bench) == {"x": 2.0}
+    (job,) = bench.jobs
+    job()
+    bench.prompt = True
+    assert each.extract("t", b"5", None, bench) == {"x": 5.0}
+    assert each.paces.held() == {"x": 2}
+
+
+def test_a_feature_that_calls_exit_has_failed(paced):
+    """The thread goes on."""
+    bench = Bench()
+    each = only(paced(bench), Leaving(bench, BUDGET / 2, default=-1.0))
+    assert each.extract("t", b"1", None, bench) == {"x": -1.0}
+    assert each.failures.counts() == {"x": 1}
+
+
 def test_whoever_has_little_time_knows_whether_features_are_quick(paced):
     """Those of whose cost nothing is known are not, nor those that take longer or may never come to an end."""
-
-    class Endless(Slow):
-        ends = False
-
     bench = Bench()
     each = paced(bench, slow=BUDGET / 2)
     assert not each.extracts_within("t", BUDGET)
     each.extract("t", b"1", None, bench)
     assert each.extracts_within("t", BUDGET)
     assert not each.extracts_within("t", BUDGET / 4)
-    endless = replace(each, features=(("slow", Endless(bench, BUDGET / 2, budget=BUDGET)),))
+    endless = only(each, Endless(bench, BUDGET / 2, budget=BUDGET))
     endless.extract("t", b"1", None, bench)
     assert not endless.extracts_within("t", BUDGET)
