@@ -1,13 +1,13 @@
 """`sendworthy learn`: writes a first utility spec from the traffic that is there."""
 
 import argparse
+import os
 import sys
-from collections.abc import Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import BinaryIO
 
 from proxy import exit_codes
 from proxy.commands.client import Client, NoAnswerError, add_client_flags, connected
@@ -143,12 +143,14 @@ def _of_live(arguments: argparse.Namespace) -> str:
         robots, notes = robots_of(statuses), notes_on(statuses)
         add = None
         if arguments.record is not None:
-            add = Writer(opened.enter_context(_opened(arguments.record)), robots).add
+            add = opened.enter_context(_recording(arguments.record, robots)).add
         listener = Listener(arguments.samples, add)
         print(f"listening at {arguments.connect} for {arguments.seconds:g} s", file=sys.stderr)
         with suppress(KeyboardInterrupt), daemon.listening(arguments.keys or ["**"], listener.take):
             listener.over.wait(arguments.seconds)
         listener.stop()
+        if listener.failure is not None:
+            raise listener.failure
     print(f"heard {counted(listener.count, 'sample')}", file=sys.stderr)
     if not listener.count:
         raise LearningError(f"nothing was published at {arguments.connect}; are the applications connected there?")
@@ -193,20 +195,24 @@ def _check_free(path: Path, *, force: bool) -> None:
         raise OutputError(f"cannot write {path}: {error.strerror}") from None
 
 
-def _opened(path: Path) -> BinaryIO:
+@contextmanager
+def _recording(path: Path, robots: Sequence[str]) -> Iterator[Writer]:
+    """Write to a file from now on. Raises OutputError where that cannot be done, or could not be in here."""
     try:
-        return path.open("wb", buffering=0)  # whatever ends it, what was heard is there
+        with path.open("wb", buffering=0) as file:  # whatever ends it, what was heard is there
+            yield Writer(file, robots)
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror}") from None
 
 
 def _write(text: str, path: Path) -> None:
     """Put the file in place whole, and say whether it goes with its neighbours. Raises OutputError."""
-    beside = path.with_name(f".{path.name}.new")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(text, encoding="utf-8")
-        beside.replace(path)
+        if path.exists() and not path.is_file():  # a pipe or a device: it has no neighbours
+            path.write_text(text, encoding="utf-8")
+            return
+        _replace(Path(os.path.realpath(path)), text)
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror}") from None
     print(f"{path}: written; now set the weights and the limit in it")
@@ -214,3 +220,15 @@ def _write(text: str, path: Path) -> None:
         load_specs(path.parent)
     except SpecsError as error:
         print(f"sendworthy learn: with the other files of {path.parent}, it is not right:\n{error}", file=sys.stderr)
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a file that is there whole or not at all. Raises OSError."""
+    beside = path.with_name(f".{path.name}.new")
+    try:
+        beside.write_text(text, encoding="utf-8")
+        beside.replace(path)
+    except OSError:
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
+        raise

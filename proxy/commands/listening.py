@@ -15,13 +15,14 @@ MOST_BYTES = 256 * 1024 * 1024
 class Listener:
     """Takes samples until there are enough: `over` is set then, and `full` if that is for want of memory.
 
-    With `add` they go there, else they are kept in `samples`.
+    With `add` they go there, else they are kept in `samples`. Where it fails that is over, too, and `failure` says why.
     """
 
     def __init__(self, most: int | None = None, add: Callable[[Observed], None] | None = None) -> None:
         self.samples: list[Observed] = []
         self.count = 0
         self.full = False
+        self.failure: OSError | None = None
         self.over = threading.Event()
         self._most = most
         self._add = add or self._keep
@@ -37,8 +38,13 @@ class Listener:
         with self._lock:
             if self.over.is_set():
                 return
+            try:
+                self._add(observed)
+            except OSError as error:
+                self.failure = error
+                self.over.set()
+                return
             self.count += 1
-            self._add(observed)
             if self.full or self.count == self._most:
                 self.over.set()
 

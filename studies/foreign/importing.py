@@ -1,6 +1,7 @@
 """Writes a recording of what files of others hold, sample by sample."""
 
 import argparse
+import os
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -58,16 +59,19 @@ def make(arguments: argparse.Namespace, bags: Sequence[Path]) -> None:
         raise ImportFailedError(f"-o {output}: there is no folder {output.parent}")
     if output.exists() and not arguments.force:
         raise ImportFailedError(f"{output} exists; --force replaces it")
+    if output.exists() and not output.is_file():
+        raise ImportFailedError(f"{output} is no file that could be replaced")
     if any(output.exists() and path.exists() and path.samefile(output) for path in arguments.files):
         raise ImportFailedError(f"{output} is what is to be imported; name another file with -o")
     if arguments.robot is not None and len(bags) > 1:
         raise ImportFailedError("--robot names the robot of one bag; several are named after their files")
     sources = [_source(path, arguments, bag=path in bags) for path in arguments.files]
-    beside = output.with_name(f".{output.name}.new")
+    target = Path(os.path.realpath(output))
+    beside = target.with_name(f".{target.name}.new")
     beside.unlink(missing_ok=True)
     try:
         written = _written(sources, beside, specs, ", ".join(map(str, arguments.files)))
-        beside.replace(output)
+        beside.replace(target)
     except BaseException:
         with suppress(OSError):
             beside.unlink(missing_ok=True)

@@ -1,5 +1,6 @@
 """`sendworthy learn`, live at a daemon or a router, and from recordings."""
 
+import errno
 import os
 import re
 import signal
@@ -173,6 +174,58 @@ def test_files_are_not_replaced_unless_forced(recording, tmp_path, capsys):
     assert main(["learn", str(recording), "-o", str(spec), "--force"]) == exit_codes.OK
     assert types_in(spec) == TYPES
     assert [path.name for path in tmp_path.iterdir() if path != recording] == ["learned.toml"]
+
+
+def test_a_link_stays_one(recording, tmp_path):
+    """What it leads to is replaced."""
+    kept, link = tmp_path / "repository" / "l.toml", tmp_path / "specs.d" / "l.toml"
+    for path in (kept, link):
+        path.parent.mkdir()
+    kept.write_text("mine")
+    link.symlink_to(kept)
+    assert main(["learn", str(recording), "-o", str(link), "--force"]) == exit_codes.OK
+    assert link.is_symlink()
+    assert types_in(kept) == TYPES
+    assert [path.name for path in (*kept.parent.iterdir(), *link.parent.iterdir())] == ["l.toml", "l.toml"]
+
+
+def test_a_pipe_is_written_into(recording, tmp_path, capsys):
+    """It stays one, and nothing else is said to whom it may lead."""
+    pipe, copy = tmp_path / "pipe", tmp_path / "copy.toml"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    assert main(["learn", str(recording), "-o", str(pipe), "--force"]) == exit_codes.OK
+    copy.write_bytes(os.read(reader, 65536))
+    os.close(reader)
+    assert types_in(copy) == TYPES
+    assert pipe.is_fifo()
+    assert capsys.readouterr() == ("", "")
+
+
+def full(*_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_disk_that_gets_full_leaves_nothing_behind(recording, tmp_path, monkeypatch, capsys):
+    """What was there stays."""
+    spec = tmp_path / "learned.toml"
+    spec.write_text("mine")
+    monkeypatch.setattr(Path, "replace", full)
+    assert main(["learn", str(recording), "-o", str(spec), "--force"]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"sendworthy learn: cannot write {spec}: No space left on device\n"
+    assert spec.read_text() == "mine"
+    assert {path.name for path in tmp_path.iterdir()} == {"learned.toml", recording.name}
+
+
+@pytest.mark.parametrize("method", ["__init__", "add"])
+def test_a_recording_that_fills_the_disk_ends_and_says_so(daemon, tmp_path, monkeypatch, capsys, method):
+    """At once, with the header and with any sample."""
+    path = tmp_path / "traffic.rec"
+    monkeypatch.setattr(learning.Writer, method, full)
+    words = ["learn", "--record", str(path), "--seconds", "300", "--connect", daemon.endpoint]
+    with publishing(daemon.endpoint):
+        assert main(words) == exit_codes.FAILED
+    assert capsys.readouterr().err.splitlines()[-1] == f"sendworthy learn: cannot write {path}: No space left on device"
 
 
 def test_neighbours_that_do_not_go_with_it_are_told(recording, tmp_path, capsys):

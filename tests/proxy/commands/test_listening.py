@@ -82,6 +82,22 @@ def test_memory_is_bounded(stack, link, key, monkeypatch):
     assert (recorder.samples, recorder.full) == ([], False)
 
 
+def test_it_is_over_when_nothing_can_be_kept(stack, link, key):
+    """Such as on a full disk; it says why, and tries no more."""
+    tried = []
+
+    def full(sample):
+        tried.append(sample)
+        raise OSError("full")
+
+    listener, other = Listener(add=full), Listener()
+    listen(stack, link[0], key, listener)
+    listen(stack, link[0], key, other)
+    published(link, key, other, b"1", b"2")
+    wait_until(listener.over.is_set, what="the end")
+    assert (listener.count, len(tried), str(listener.failure)) == (0, 1, "full")
+
+
 def test_when_it_was_stopped_nothing_is_taken(stack, link, key):
     """Not even what was on its way."""
     listener, other = Listener(), Listener()

@@ -1,5 +1,6 @@
 """`sendworthy import`."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -111,6 +112,26 @@ def test_a_disk_that_gets_full_leaves_nothing_behind(place, capsys, monkeypatch)
     assert "No space left on device" in capsys.readouterr().err
     assert Path("out.mcap").read_text() == "mine"
     assert {each.name for each in place.iterdir()} == {"t.csv", "out.mcap"}
+
+
+def test_a_link_stays_one(place):
+    """What it leads to is replaced."""
+    kept = place / "kept" / "out.mcap"
+    kept.parent.mkdir()
+    kept.write_text("mine")
+    Path("out.mcap").symlink_to(kept)
+    assert main(["import", "t.csv", "-o", "out.mcap", "--force"]) == exit_codes.OK
+    assert Path("out.mcap").is_symlink()
+    assert len(entries(kept)) == 3
+    assert [each.name for each in kept.parent.iterdir()] == ["out.mcap"]
+
+
+def test_a_pipe_stays_one(place, capsys):
+    """A recording needs a file: its end is written many times."""
+    os.mkfifo(place / "pipe")
+    assert main(["import", "t.csv", "-o", "pipe", "--force"]) == exit_codes.FAILED
+    assert "pipe is no file that could be replaced" in capsys.readouterr().err
+    assert Path("pipe").is_fifo()
 
 
 @pytest.mark.usefixtures("place")
