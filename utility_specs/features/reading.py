@@ -47,6 +47,8 @@ class Reading:
 
         numbers = self._numbers(value)
         finite = numbers[np.isfinite(numbers)]  # lidars say inf where they see nothing
+        if not finite.size and self.equals is not None and self.reduce in {"sum", "max"}:
+            return 0.0  # nothing equals it
         if not finite.size:
             raise FeatureError("there are no numbers to reduce")
         return float(getattr(np, self.reduce)(finite))

@@ -53,6 +53,15 @@ def test_what_equals_is_counted(values):
     assert found == [2.0, 1.0, 2.0 / 3.0]
 
 
+@pytest.mark.parametrize("values", [[], (), np.array([])])
+def test_of_nothing_nothing_equals(values):
+    """There are 0 of it, and not any; a part of nothing there is not."""
+    assert [read(values, equals="person", reduce=reduce) for reduce in ("sum", "max")] == [0.0, 0.0]
+    for reduce in ("mean", "min"):
+        with pytest.raises(ValueError, match="no numbers"):
+            read(values, equals="person", reduce=reduce)
+
+
 @pytest.mark.parametrize("value", [[], 3, "abc", {"a": 1}, [math.nan], ["a"], [[1]]])
 def test_what_cannot_be_reduced_has_no_value(value):
     """Nothing is guessed."""
