@@ -10,7 +10,7 @@ Signature = tuple[tuple[str, int, int, int, int], ...]
 
 
 def signature(paths: Iterable[Path]) -> Signature:
-    """Return what tells one state of files, and of the `*.toml` in folders, from another; never raises."""
+    """Return what tells one state of files, and of the `*.toml` and `*.msg` in folders, from another; never raises."""
     return tuple(sorted(entry for path in paths for entry in _entries(path)))
 
 
@@ -44,7 +44,7 @@ class FileWatch:
 
 def _entries(path: Path) -> list[tuple[str, int, int, int, int]]:
     try:
-        files = spec_files(path)
+        files = [*spec_files(path), *path.glob("*.msg")]  # a file has none
     except OSError:
         files = [path]
     return [_entry(file) for file in files]

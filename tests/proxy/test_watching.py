@@ -84,6 +84,17 @@ def test_files_come_and_go(watch, file):
     assert settled(watch)
 
 
+def test_definitions_of_messages_are_watched(watch, file):
+    """Features of messages of ROS 2 name them; whatever else lies there is no concern."""
+    definition = file.with_name("B.msg")
+    definition.write_text("float64 x")
+    assert settled(watch)
+    definition.write_text("int32 n\nfloat64 x")
+    assert settled(watch)
+    file.with_name("notes.txt").write_text("x")
+    assert not any(watch.look() for _ in range(3))
+
+
 def test_permissions_are_news(watch, file):
     """Who could not read a file tries again when its mode changes."""
     file.chmod(0o600)
