@@ -7,6 +7,7 @@ entry-point group `sendworthy.commands`. Only the command that was asked for is 
 """
 
 import argparse
+import errno
 import os
 import re
 import sys
@@ -71,8 +72,38 @@ examples:
 """
 
 
+UNWRITABLE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
+"""What the system says where output finds no room."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; return its exit code."""
+    """Run one command; return its exit code. Ctrl-C, a closed pipe and a full disk are no tracebacks."""
+    try:
+        try:
+            return _command(argv)
+        finally:
+            if sys.stdout is not None:  # who started us may have closed it
+                sys.stdout.flush()  # also where the parser exits: Python would do it too late for us
+    except KeyboardInterrupt:
+        return exit_codes.INTERRUPTED
+    except BrokenPipeError:
+        _say_no_more()
+        return exit_codes.OK
+    except OSError as error:
+        if error.errno not in UNWRITABLE:
+            raise
+        _say_no_more()
+        where = f" {error.filename}" if error.filename else ""
+        print(f"sendworthy: cannot write{where}: {error.strerror}", file=sys.stderr)
+        return exit_codes.FAILED
+
+
+def _say_no_more() -> None:
+    """Lead standard output to nowhere: Python flushes it once more at its exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _command(argv: Sequence[str] | None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     wanted = next((word for word in arguments if not word.startswith("-")), None)
     if wanted == "run":
@@ -94,7 +125,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         unknown = parsed.further(parsed, unknown)
     if unknown:
         refuse(unknown[0], subparsers.choices[str(wanted)])
-    return run(parsed)
+    code: int = parsed.run(parsed)
+    return code
 
 
 def parser(wanted: str | None = None) -> tuple[argparse.ArgumentParser, Subparsers]:
@@ -140,19 +172,6 @@ def refuse(word: str, of: argparse.ArgumentParser) -> NoReturn:
         near = [f"--config {word}"]
     meant = f" (did you mean {near[0]}?)" if near else ""
     of.error(f"unknown argument {word}{meant}")
-
-
-def run(parsed: argparse.Namespace) -> int:
-    """Run what was asked for; Ctrl-C and a closed pipe are no tracebacks."""
-    try:
-        code: int = parsed.run(parsed)
-    except KeyboardInterrupt:
-        return exit_codes.INTERRUPTED
-    except BrokenPipeError:
-        # Python flushes standard output once more at its exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return exit_codes.OK
-    return code
 
 
 def commands(wanted: str | None = None) -> dict[str, Callable[[], Command]]:

@@ -1,5 +1,6 @@
 """The command line: what it knows, how it refuses, what it suggests."""
 
+import errno
 import os
 import re
 import subprocess
@@ -170,26 +171,63 @@ def test_a_broken_command_from_elsewhere_fails_alone(add_on, capsys):
     assert "dance" not in capsys.readouterr().out
 
 
-def test_ctrl_c_is_no_traceback(add_on):
-    """Who interrupts a command knows that it was interrupted."""
+def raising(error):
+    """Return a function that raises, whatever it gets."""
 
-    def command(subparsers):
-        def interrupted(_arguments):
-            raise KeyboardInterrupt
+    def fail(*_):
+        raise error
 
-        subparsers.add_parser("wait").set_defaults(run=interrupted)
+    return fail
 
-    add_on("wait", lambda: command)
+
+def command_that(run):
+    """Return what loads a command `wait` that runs so."""
+    return lambda: lambda subparsers: subparsers.add_parser("wait").set_defaults(run=run)
+
+
+@pytest.mark.parametrize("load", [raising(KeyboardInterrupt), command_that(raising(KeyboardInterrupt))])
+def test_ctrl_c_is_no_traceback(add_on, load):
+    """Who interrupts a command knows that it was interrupted, also while it is loaded."""
+    add_on("wait", load)
     assert main(["wait"]) == exit_codes.INTERRUPTED
+
+
+@pytest.mark.parametrize("words", [["check", "utility_specs/surveillance.toml"], ["schema"], ["--version"]])
+def test_output_without_room_is_told(tmp_path, words):
+    """A full disk, or a file that may not be larger."""
+    limited = ["sh", "-c", 'ulimit -f 0; exec "$@" > "$0"', str(tmp_path / "out")]
+    command = [*limited, sys.executable, "-B", "-m", "proxy.cli", *words]
+    buffered = os.environ | {"PYTHONUNBUFFERED": ""}  # else argparse writes the version, and passes over what fails
+    ended = subprocess.run(command, cwd=ROOT, env=buffered, capture_output=True, text=True, timeout=30, check=False)
+    assert (ended.returncode, ended.stderr) == (exit_codes.FAILED, "sendworthy: cannot write: File too large\n")
+
+
+def test_a_file_without_room_is_named(add_on, capfd):
+    """Where the system says which it is; other errors are mistakes of ours."""
+    add_on("wait", command_that(raising(OSError(errno.ENOSPC, "No space left on device", "x"))))
+    stdout = os.dup(sys.stdout.fileno())
+    try:
+        assert main(["wait"]) == exit_codes.FAILED
+    finally:
+        os.dup2(stdout, sys.stdout.fileno())
+        os.close(stdout)
+    assert capfd.readouterr().err == "sendworthy: cannot write x: No space left on device\n"
+    add_on("wait", command_that(raising(OSError(errno.ENOENT, "No such file or directory"))))
+    with pytest.raises(FileNotFoundError):
+        main(["wait"])
 
 
 def test_a_reader_that_leaves_is_no_error(tmp_path):
     """`sendworthy … | head -1` ends quietly."""
     program = (
-        "import sys, argparse; from proxy import cli\n"
+        "import sys; from importlib import metadata; from proxy import cli\n"
+        "class Entry:\n"
+        "    name = 'say'\n"
+        "    def load(self): return lambda parsers: parsers.add_parser('say').set_defaults(run=run)\n"
         "def run(_):\n"
         "    for _ in range(100000): print('x' * 100)\n"
-        "sys.exit(cli.run(argparse.Namespace(run=run)))"
+        "metadata.entry_points = lambda group: [Entry()]\n"
+        "sys.exit(cli.main(['say']))"
     )
     errors = tmp_path / "errors"
     with errors.open("w") as stderr:
