@@ -112,6 +112,8 @@ def key_expression(text: str) -> str:
 
     try:
         return str(zenoh.KeyExpr(text))
+    except UnicodeEncodeError:
+        raise ValueError(f"must be a key expression, not {quoted(text)}: it is not UTF-8") from None
     except zenoh.ZError as error:
         # Zenoh repeats the text first and ends with a place in its own source.
         cause = str(error).split("`: ", maxsplit=1)[-1].split(" at /")[0]

@@ -46,6 +46,10 @@ class Question:
             raise QuestionError(f"the last {least} to {most} decisions on a stream are kept, not {self.last}")
         if not self.key:
             raise QuestionError("the key is empty")
+        try:
+            self.key.encode()
+        except UnicodeEncodeError:
+            raise QuestionError(f"the key {quoted(self.key)} is not UTF-8") from None
 
     def write(self) -> bytes:
         """Return what `read` reads."""
@@ -57,7 +61,7 @@ def read(raw: bytes) -> Question:
     try:
         asked = json.loads(raw)
         return Question(str(asked["key"]), int(asked.get("last", 3)), int(asked.get("after", 0)))
-    except (ValueError, TypeError, KeyError, AttributeError):
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
         raise QuestionError('decisions are asked for with {"key": "robot/r1/camera", "last": 3, "after": 0}') from None
 
 

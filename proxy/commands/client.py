@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import sys
+import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -184,7 +185,7 @@ class Client:
         with self._session.declare_subscriber(key, zenoh.handlers.Callback(taken.put, indirect=False)):
             while True:
                 try:
-                    sample = taken.get(timeout=max(0.0, end - clock.monotonic()))
+                    sample = taken.get(timeout=min(max(0.0, end - clock.monotonic()), threading.TIMEOUT_MAX))
                 except Empty:
                     raise NoAnswerError(f"no sample of {key} came within {timeout:g} s at {self._where}") from None
                 if sample.kind == zenoh.SampleKind.PUT:

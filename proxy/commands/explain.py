@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -267,6 +268,8 @@ def _checked(key: str) -> str:
     """Return the key expression. Raises ExplainError where it is none."""
     try:
         return str(zenoh.KeyExpr.autocanonize(key))
+    except UnicodeEncodeError:
+        raise ExplainError(f"{quoted(key)} is not a key: it is not UTF-8") from None
     except zenoh.ZError:
         meant = f"; write {quoted(key.strip('/'))}" if key.strip("/") and key.strip("/") != key else ""
         raise ExplainError(
@@ -277,11 +280,11 @@ def _checked(key: str) -> str:
 def _payload(arguments: argparse.Namespace) -> bytes | None:
     """Return the payload, if one is given. Raises ExplainError where it cannot be read."""
     if arguments.text is not None:
-        return bytes(arguments.text.encode())
+        return bytes(os.fsencode(arguments.text))  # as it was typed, which need not be UTF-8
     if arguments.msgpack is not None:
         try:
             return bytes(msgpack.packb(json.loads(arguments.msgpack)))
-        except (ValueError, OverflowError) as error:
+        except (ValueError, OverflowError, RecursionError) as error:
             raise ExplainError(f"--msgpack: {quoted(arguments.msgpack)} is not JSON: {error}") from None
     return None if arguments.payload is None else _read(arguments.payload)
 

@@ -39,5 +39,5 @@ def read(raw: bytes) -> Request:
     """Read a request; what is not said is as usual. Raises ProfileError."""
     try:
         return Request(**{name: float(value) for name, value in json.loads(raw or b"{}").items()})
-    except (ValueError, TypeError, AttributeError):
+    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
         raise ProfileError('a profile is asked for with {"seconds": 10, "rate": 1000}') from None

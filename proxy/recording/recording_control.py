@@ -69,7 +69,7 @@ def _read(raw: bytes) -> tuple[str, bool]:
     try:
         told = json.loads(raw or b"{}")
         order, payloads = told.get("record", ""), told.get("payloads", False)
-    except (ValueError, AttributeError):
+    except (ValueError, AttributeError, RecursionError):
         order, payloads = None, False
     if order not in ("", "start", "stop") or not isinstance(payloads, bool):
         raise RecordingError('recording is ordered with {"record": "start", "payloads": false} or {"record": "stop"}')

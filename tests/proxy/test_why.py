@@ -96,15 +96,26 @@ def test_questions_are_written_and_read():
     assert read(b'{"key": "a"}') == Question("a")
 
 
-@pytest.mark.parametrize("raw", [b"", b"[]", b"{}", json.dumps({"key": "a", "last": "x"}).encode(), b"\xff"])
+@pytest.mark.parametrize(
+    "raw",
+    [
+        b"",
+        b"[]",
+        b"{}",
+        json.dumps({"key": "a", "last": "x"}).encode(),
+        b'{"key": "a", "last": Infinity}',
+        b"[" * 100_000,
+        b"\xff",
+    ],
+)
 def test_what_is_no_question_is_refused(raw):
     """With an example of one."""
     with pytest.raises(QuestionError, match="decisions are asked for with"):
         read(raw)
 
 
-@pytest.mark.parametrize(("key", "last"), [("", 1), ("a", 0), ("a", 17)])
+@pytest.mark.parametrize(("key", "last"), [("", 1), ("a", 0), ("a", 17), ("rob\udcff", 1)])
 def test_too_much_is_refused(key, last):
-    """And nothing, too."""
+    """And nothing, and what no key can be, too."""
     with pytest.raises(QuestionError):
         Question(key, last)

@@ -93,6 +93,16 @@ def test_payloads_come_from_files_standard_input_and_the_command_line(explained,
     assert "scale          = known + mark = 0.5 + 7 = 7.5\n" in out
 
 
+def test_whatever_is_typed_is_no_traceback(explained, specs):
+    """A shell passes on any bytes, and people paste."""
+    key = explained("robot/\udcff/battery", "--specs", specs, code=exit_codes.FAILED).err
+    assert key == 'sendworthy explain: "robot/\ufffd/battery" is not a key: it is not UTF-8\n'
+    text = explained("robot/r1/battery", "--text", "\udcff", "--specs", specs).out
+    assert text.startswith("robot/r1/battery (1 B): ")
+    deep = explained("robot/r1/map", "--msgpack", "[" * 100_000, "--specs", specs, code=exit_codes.FAILED).err
+    assert "is not JSON: maximum recursion depth exceeded" in deep
+
+
 def test_without_a_payload_the_defaults_hold_and_specs_say_the_size(explained, specs):
     """Enough to see what a type is worth."""
     out = explained("robot/r1/battery", "--specs", specs).out

@@ -292,6 +292,13 @@ def test_a_wrong_command_line_is_refused(capsys, words, message):
     assert message in capsys.readouterr().err
 
 
+def test_a_key_that_is_not_utf_8_is_refused(capsys):
+    """A shell passes on any bytes."""
+    with pytest.raises(SystemExit):
+        main(["learn", "--keys", "rob\udcff"])
+    assert 'must be a key expression, not "rob\ufffd": it is not UTF-8' in capsys.readouterr().err
+
+
 def test_a_spec_that_does_not_load_is_not_written():
     """Should Sendworthy be wrong in what it learns, it says so."""
     with pytest.raises(learning.OutputError, match=r"a mistake of Sendworthy:\n.*learned\.toml:1: version: must be 1"):

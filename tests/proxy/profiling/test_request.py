@@ -21,6 +21,8 @@ def test_what_is_written_is_read():
         (b'{"rate": 1e6}', "rate must be from 1 to 1000, not 1e"),
         (b'{"second": 1}', "a profile is asked for with"),
         (b'{"seconds": []}', "a profile is asked for with"),
+        (b'{"seconds": 1' + b"0" * 400 + b"}", "a profile is asked for with"),
+        (b"[" * 100_000, "a profile is asked for with"),
         (b"[3]", "a profile is asked for with"),
         (b"\xff", "a profile is asked for with"),
     ],
