@@ -44,6 +44,6 @@ def described(value: object) -> str:
         case int() if value.bit_length() > LONGEST_NUMBER:
             return "a huge number"
         case float():
-            return f"{value:g}"
+            return repr(value)  # rounded, it might seem to be what is asked for
         case _:
             return str(value)

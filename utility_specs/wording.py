@@ -81,11 +81,16 @@ def message_of(detail: ErrorDetails, place: Place) -> str:
         return f"must be {write}" if write else f"must be {wanted}, not {described(value)}"
     if kind in _BOUNDS:
         words, bound = _BOUNDS[kind]
-        return f"must be {words} {described(context[bound])}, not {described(value)}"
+        return f"must be {words} {_round(context[bound])}, not {described(value)}"
     if kind in _OTHERS:
         return _OTHERS[kind](value, context, place)
     message = detail["msg"]
     return message[:1].lower() + message[1:]
+
+
+def _round(bound: float) -> str:
+    """Return a bound, which is a plain number, without the .0 that it may have."""
+    return f"{bound:g}" if isinstance(bound, float) else str(bound)
 
 
 def _rewritten(wanted: str, value: Any, place: Place) -> str:

@@ -348,7 +348,7 @@ RULES = [
         ("[[fallback]]\npart = 0.5",
          ":1: fallback: must be one table: write [fallback] instead of [[fallback]]"),
         ("version = 1.0",
-         ":1: version: must be the whole number 1, not 1"),
+         ":1: version: must be the whole number 1, not 1.0"),
         ("version = true",
          ":1: version: must be the whole number 1, not true"),
         ("version = [1]",

@@ -11,6 +11,8 @@ from utility_specs.suggestions import described, hint, listed, quoted
         (True, "true"),
         (1, "1"),
         (-0.5, "-0.5"),
+        (1.0, "1.0"),
+        (1.0000001, "1.0000001"),
         (1e300, "1e+300"),
         (2**100, "a huge number"),
         ("a", '"a"'),

@@ -65,7 +65,7 @@ def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
         (FRACTION, 40, "must be a fraction of at most 1, not 40"),
         (FRACTION, "101 %", 'must be a fraction of at most 1, not "101 %"'),
         (FRACTION, "40 percent", 'unknown unit "percent" (did you mean "%"?)'),
-        (FRACTION, 0.0, "must be a finite fraction above 0, not 0"),
+        (FRACTION, 0.0, "must be a finite fraction above 0, not 0.0"),
         (JOULE, 0.5, 'needs a unit; write for example "0.5 J"'),
         (JOULE, "2 joules", 'unknown unit "joules" (did you mean "J"?)'),
         (DURATION, 0, "must be a finite duration above 0, not 0"),
