@@ -1,6 +1,7 @@
 """A number in the key: `{ kind = "key_chunk", index = 1 }` is 7 for `robot/7/camera` and for `robot/r7/camera`."""
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -28,10 +29,10 @@ class KeyChunk(Feature):
     def measure(self, sample: Sample) -> float:
         """Return the number; raises FeatureError where the chunk has none or several, IndexError without chunk."""
         chunk = sample.key.split("/")[self.index]
-        try:
-            return float(chunk)  # 1e3 and the like
-        except ValueError:
-            numbers = _NUMBERS.findall(chunk)
+        if chunk.isascii() and "_" not in chunk:  # Python reads 1_2 and digits of other scripts, too
+            with suppress(ValueError):
+                return float(chunk)  # 1e3 and the like
+        numbers = _NUMBERS.findall(chunk)
         if len(numbers) != 1:
             raise FeatureError(f"{sample.key}: {chunk} has {len(numbers)} numbers in it")
         return float(numbers[0])

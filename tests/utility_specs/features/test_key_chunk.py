@@ -15,7 +15,10 @@ def test_the_number_in_a_chunk(index, number):
     assert not feature.reads_payload
 
 
-@pytest.mark.parametrize(("key", "index"), [("robot/a", 1), ("robot/3to4", 1), ("robot", 1), ("", 0), ("robot/²", 1)])
+@pytest.mark.parametrize(
+    ("key", "index"),
+    [("robot/a", 1), ("robot/3to4", 1), ("robot", 1), ("", 0), ("robot/²", 1), ("1_2", 0), ("٣", 0)],
+)
 def test_no_number_or_several(key, index):
     """The caller then takes the default."""
     with pytest.raises((ValueError, IndexError)):
