@@ -40,15 +40,17 @@ def unpack(raw: bytes) -> dict[str, bytes]:
 def gathered(paths: Iterable[Path]) -> dict[str, bytes]:
     """Read files, and the `*.toml` of folders. Raises PushError when one cannot be read or two have one name."""
     files: dict[str, bytes] = {}
+    known: set[Path] = set()
     for path in paths:
         try:
             found = [(file, file.read_bytes()) for file in spec_files(path)]
         except OSError as error:
             raise PushError(f"{error.filename}: cannot be read: {error.strerror}") from None
         for file, content in found:
-            if file.name in files:
+            if file.name in files and file.resolve() not in known:
                 raise PushError(f"{file}: there is another file of this name")
             files[file.name] = content
+            known.add(file.resolve())
     return files
 
 

@@ -87,14 +87,17 @@ def test_files_and_folders_are_gathered(path):
     single = path.parent / "single.toml"
     single.write_bytes(OTHER)
     assert gathered([path, single]) == {"old.toml": GOOD, "single.toml": OTHER}
+    assert gathered([path, path / "old.toml", path / ".." / path.name]) == {"old.toml": GOOD}
 
 
 def test_what_cannot_be_gathered_is_named(path):
     """A missing file, and one whose name is taken."""
     with pytest.raises(PushError, match=r"gone\.toml: cannot be read: No such file"):
         gathered([path / "gone.toml"])
+    other = path.parent / "old.toml"
+    other.write_bytes(OTHER)
     with pytest.raises(PushError, match=r"old\.toml: there is another file of this name"):
-        gathered([path, path / "old.toml"])
+        gathered([path, other])
 
 
 def test_specs_replace_those_of_the_folder(path):
