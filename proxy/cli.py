@@ -115,6 +115,8 @@ def _command(argv: Sequence[str] | None) -> int:
         return exit_codes.FAILED
     first = arguments[0] if arguments else ""
     if first.startswith("-") and first not in WITHOUT_COMMAND:
+        if any(word in subparsers.choices for word in arguments):
+            whole.error(f"unknown argument {first}: flags follow the command")
         refuse(first, whole)
     if first and first == wanted and wanted not in subparsers.choices:
         from utility_specs.suggestions import hint, quoted  # noqa: PLC0415 - pydantic comes with it
@@ -162,7 +164,7 @@ def refuse(word: str, of: argparse.ArgumentParser) -> NoReturn:
     """Exit 2 because of a word that `of` does not know, and suggest the flag that was meant."""
     import difflib  # noqa: PLC0415 - a daemon needs none
 
-    flags = re.findall(r"(?<![\w-])--[\w.-]+", of.format_help())
+    flags = re.findall(r"(?<![\w-])--[\w.-]+", of.format_help().partition("\nexamples:")[0])
     if of.get_default("further") is not None:  # keys of the configuration, which not every help lists
         from proxy.config_loading import SETTINGS  # noqa: PLC0415 - a daemon needs none
 

@@ -112,7 +112,9 @@ def test_run_has_a_flag_for_every_key(capsys):
         ),
         (["status", "--robot", "a/b"], 'must be one chunk of a key, without /: "a/b"'),
         (["--verison"], "unknown argument --verison (did you mean --version?)"),
-        (["--config", "a.toml", "run"], "unknown argument --config"),
+        (["--config", "a.toml", "run"], "unknown argument --config: flags follow the command"),
+        (["--robot", "r1", "status"], "unknown argument --robot: flags follow the command"),
+        (["--robot", "r1"], "unknown argument --robot\n"),
     ],
 )
 def test_a_wrong_command_line_is_refused(capsys, arguments, message):
