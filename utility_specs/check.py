@@ -25,9 +25,9 @@ class Report:
 
     @classmethod
     def on(cls, paths: Sequence[Path]) -> Self:
-        """Check files and folders."""
+        """Check files and folders; where there are none, nothing is wrong."""
         try:
-            files = load_set(paths).files
+            files = load_set(paths).files if paths else ()
         except SpecsError as error:
             return cls((), error.problems)
         found = findings(files)
@@ -60,7 +60,11 @@ class Report:
 
 def check(paths: Sequence[Path], out: TextIO, *, as_json: bool = False) -> int:
     """Check files and folders as one set and write what was found; return 0, or 1 with any error."""
-    report = Report.on(paths)
+    return told(Report.on(paths), out, as_json=as_json)
+
+
+def told(report: Report, out: TextIO, *, as_json: bool = False) -> int:
+    """Write what was found; return 0, or 1 with any error."""
     if as_json:
         out.write(json.dumps(report.data(), indent=2) + "\n")
     else:

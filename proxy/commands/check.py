@@ -9,7 +9,8 @@ from typing import TextIO
 from proxy import exit_codes
 from proxy.config_loading import load_config
 from proxy.errors import ConfigError
-from utility_specs.check import check
+from utility_specs.check import Report, check, told
+from utility_specs.errors import SpecProblem
 from utility_specs.loader import holds_specs
 
 DESCRIPTION = """\
@@ -42,7 +43,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     )
     parser.add_argument("paths", metavar="FILE", nargs="*", type=Path, help="a file or a folder of *.toml")
     parser.add_argument("--config", metavar="FILE", type=Path, help="a configuration; its specs are checked, too")
-    parser.add_argument("--json", action="store_true", help="print what is found in specs as JSON")
+    parser.add_argument("--json", action="store_true", help="print what is found as JSON")
     parser.set_defaults(run=run)
 
 
@@ -54,9 +55,12 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         paths = [*arguments.paths, *_specs_of(arguments.config, sys.stderr if arguments.json else sys.stdout)]
     except ConfigError as error:
-        print(error)
-        return exit_codes.FAILED
-    return check(paths, sys.stdout, as_json=arguments.json) if paths else exit_codes.OK
+        if not arguments.json:
+            print(error)
+            return exit_codes.FAILED
+        wrong = tuple(SpecProblem(arguments.config, None, "", problem) for problem in error.problems)
+        return told(Report((), wrong), sys.stdout, as_json=True)
+    return check(paths, sys.stdout, as_json=arguments.json)
 
 
 def _specs_of(config: Path | None, out: TextIO) -> list[Path]:

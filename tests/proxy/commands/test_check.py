@@ -72,3 +72,11 @@ def test_scripts_get_json_and_nothing_else(tmp_path, capsys):
     shown = capsys.readouterr()
     assert json.loads(shown.out)["fit"]
     assert shown.err == f"{config}: right\n"
+    config.write_text('robot = "r1"\n')
+    assert main(["check", "--json", "--config", str(config)]) == exit_codes.OK
+    assert json.loads(capsys.readouterr().out) == {"fit": True, "errors": [], "warnings": [], "files": []}
+    config.write_text('mode = "fast"\n')
+    assert main(["check", "--json", "--config", str(config)]) == exit_codes.FAILED
+    found = json.loads(capsys.readouterr().out)
+    assert (found["fit"], [each["file"] for each in found["errors"]]) == (False, [str(config)])
+    assert found["errors"][0]["message"].startswith(f"{config}:1: mode: unknown")
