@@ -26,6 +26,9 @@ from utility_specs.schedules import ScheduleRule
 MATCHES_KEPT = 4096
 """Keys whose information type is remembered."""
 
+LARGEST_SCALE = 1e15
+"""No sample is worth more: robots do not tell each other of such a scale."""
+
 UTILITIES_KEPT = 256
 """Combinations of features whose tabulated `python` utility each type remembers."""
 
@@ -137,7 +140,7 @@ class InformationType:
         return any(feature.reads_payload for _, feature in self.features)
 
     def scale(self, features: Mapping[str, float]) -> float:
-        """Return weight × expression, which multiplies the utility of a message; always finite and >= 0.
+        """Return weight × expression, which multiplies the utility of a message; always from 0 to `LARGEST_SCALE`.
 
         Features that are not given take their defaults. What is below 0 means: worth nothing. What has no finite
         value is taken as 1 and counted as a failure.
@@ -148,11 +151,12 @@ class InformationType:
         weight = self._factor("weight", self.weighing, values)
         scale = weight * self._factor("scale", self.expression, values)
         if math.isfinite(scale):
+            scale = min(scale, LARGEST_SCALE)
             if not self.failures.counts():
                 self._constant[:] = [scale]
             return scale
         self.failures.note("scale")
-        return weight
+        return min(weight, LARGEST_SCALE)
 
     def _factor(self, what: str, expression: Expression, values: Mapping[str, float | str]) -> float:
         try:

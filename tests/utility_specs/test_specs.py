@@ -16,7 +16,7 @@ from utility_specs.expressions import Expression
 from utility_specs.features import Feature, Sample, Size
 from utility_specs.forecast import FeatureForecast
 from utility_specs.key_formats import KeyFormat
-from utility_specs.specs import MATCHES_KEPT, UTILITIES_KEPT
+from utility_specs.specs import LARGEST_SCALE, MATCHES_KEPT, UTILITIES_KEPT
 
 
 @dataclass(frozen=True)
@@ -114,6 +114,13 @@ def test_the_scale_is_weight_times_expression():
     assert each.scale({"red": 0.5, "blue": 9.0}) == 12.0
     assert each.scale({}) == 8.0
     assert each.failures.counts() == {}
+
+
+@pytest.mark.parametrize("size", [1e20, 1e300])
+def test_a_scale_has_an_upper_bound(size):
+    """Robots do not tell each other of more; nor where the product has no value, and the weight stands for it."""
+    each = information_type(weight=1e20, scale="size", size=Size())
+    assert each.scale({"size": size}) == LARGEST_SCALE
 
 
 def test_a_scale_below_zero_means_worth_nothing():
@@ -265,6 +272,6 @@ def test_a_weight_without_a_value_counts_as_1():
 
 def test_a_product_beyond_all_numbers_is_the_weight():
     """Weight and scale may each have a value, and both together none."""
-    each = information_type(weight="size", scale="size", size=Size(default=1e200))
-    assert each.scale({}) == 1e200
+    each = information_type(weight=10.0, scale="size", size=Size(default=1e308))
+    assert each.scale({}) == 10.0
     assert each.failures.counts() == {"scale": 1}

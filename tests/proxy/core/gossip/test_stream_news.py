@@ -4,6 +4,9 @@ import pytest
 
 from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.gossip.tuning import TUNING
+from proxy.core.protocol.digest_codec import pack_digest, unpack_digest
+from proxy.core.protocol.fixed import rounded
+from proxy.core.protocol.messages import Digest
 from proxy.core.view.stream import Generated, Sent, Stream
 from tests.proxy.core.talk import UNLIMITED
 
@@ -93,6 +96,15 @@ def test_an_announcement_tells_of_streams_that_sent_something_alone():
     assert news.take(2.0, [sending, silent], both) == ()
     assert waiting(news, [sending, silent])
     assert [(each.generated, each.forwarded) for each in news.take(2.1, [sending, silent])] == [(2, 0)]
+
+
+def test_others_read_of_a_sample_however_much_it_is_worth(make_specs):
+    """Its digest was malformed to all, and so were those after it while the stream was silent."""
+    (covering,) = make_specs(text=UNLIMITED.replace("1 + 10 * red", "exp(red)")).types
+    worthy = Stream(1, "r1", "robot/r1/camera", covering)
+    worthy.note_generated(1, Generated(1.0, 10, rounded(covering.scale({"red": 40.0}))))
+    data = pack_digest(Digest("r1", "a1b2c3d4", 1.0, streams=StreamNews().take(1.0, [worthy])))
+    assert unpack_digest(data, "r1", "a1b2c3d4").streams[0].scale == worthy.newest.scale
 
 
 def test_features_are_told_where_others_need_them(make_specs):
