@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 
 from proxy.core.protocol.messages import Echo
+from proxy.core.protocol.tuning import TUNING as BOUNDS
 from proxy.core.transit.latency import Latency
 from proxy.core.transit.outbound import latency_of
 from proxy.core.view.peer import HeardDigest, Peer
@@ -76,4 +77,5 @@ class Echoes:
 def _echo(name: str, peer: Peer, heard: HeardDigest) -> Echo:
     line = peer.inbound.latency
     said = Latency(0.0) if line is None else Latency(max(line.fixed, TUNING.least_latency), line.per_byte)
-    return Echo(name, heard.sent, heard.received, heard.samples, said.fixed, said.per_byte)
+    fixed, per_byte = (min(each, BOUNDS.latency) for each in (said.fixed, said.per_byte))
+    return Echo(name, heard.sent, heard.received, heard.samples, fixed, per_byte)

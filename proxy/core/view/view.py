@@ -107,7 +107,8 @@ class SharedView:
         if digest.state == peer.number:
             self.clocks.bound(now, peer)
         for echo in digest.echoes:
-            self.echoes.heard(now, peer, echo)
+            if echo.received <= digest.sent:  # nobody has heard what is yet to come
+                self.echoes.heard(now, peer, echo)
         if not is_broadcast(peer.transport):
             peer.inbound.heard_digest(now, digest.sent, TUNING.usual_digest)
         self._news.take(now, peer, digest.streams)

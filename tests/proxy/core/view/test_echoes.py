@@ -4,6 +4,7 @@ import pytest
 
 from proxy.core.interface.events import SampleHeard
 from proxy.core.protocol.messages import Digest, Echo, tag
+from proxy.core.protocol.tuning import TUNING as BOUNDS
 from proxy.core.view.tuning import TUNING
 from tests.proxy.core.view.met import CAMERA, digest, meet
 
@@ -21,6 +22,25 @@ def test_echoes_give_offset_and_latency(view):
     assert view.paths.of("unknown").mean.of(0.0) == 0.0
     (back,) = view.echoes.due(3.0)
     assert (back.peer, back.sent, back.received) == ("z-r2", -90.0, 10.1)
+
+
+def test_no_way_is_told_to_take_longer_than_others_read(view):
+    """Digests of ours that echo a robot whose clock stands a day back would be unreadable to all."""
+    meet(view)
+    view.heard_digest(10.0, digest(9.5, echoes=(Echo("z-r1", 9.0, 9.0, 0, 0.0),)))
+    for _ in range(8):
+        view.peers["z-r2"].restart()
+        view.heard_digest(10.5, digest(-86400.0))
+    assert [echo.latency for echo in view.echoes.due(11.0)] == [BOUNDS.latency]
+
+
+def test_nobody_has_heard_what_is_yet_to_come(view):
+    """A digest that echoes one from after it was sent tells nothing of the way."""
+    meet(view)
+    view.heard_digest(10.0, digest(9.5, echoes=(Echo("z-r1", 9.0, 9.6, 0, 0.0),)))
+    assert not view.peers["z-r2"].offset.known
+    view.heard_digest(10.1, digest(9.6, echoes=(Echo("z-r1", 9.0, 9.6, 0, 0.0),)))
+    assert view.peers["z-r2"].offset.known
 
 
 def test_samples_of_a_peer_are_counted_for_it(view):

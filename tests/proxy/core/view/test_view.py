@@ -82,7 +82,7 @@ def test_digests_say_nothing_of_samples_that_are_broadcast(make_specs):
         join(view, "r2", transport=transport)
         for at in range(5):
             echoes = (Echo("z-r1", at, at + 0.01, 0, 0.0),)
-            view.heard_digest(at + 0.01, Digest("r2", "z-r2", float(at), 0, 0, (), echoes))
+            view.heard_digest(at + 0.02, Digest("r2", "z-r2", at + 0.01, 0, 0, (), echoes))
         line = view.peers["z-r2"].inbound.latency
         assert line is None if found is None else line.fixed == pytest.approx(found, abs=1e-3)
         assert view.echoes.due(20.0)[0].latency == pytest.approx(found or 0.0, abs=1e-3)
