@@ -8,6 +8,7 @@ from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.limits import fingerprint
 from proxy.core.model.mode import Mode
 from proxy.core.protocol.messages import State, StreamState
+from proxy.core.protocol.state_codec import stream_bytes
 from proxy.core.protocol.tuning import TUNING as BOUNDS
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
@@ -43,11 +44,11 @@ def shortened(state: State) -> tuple[State, int]:
     two robots got, and sent 1.9 limits.
     """
     streams = tuple([s for s in state.streams if "*" not in s.key and _is_readable(s.key)])[: BOUNDS.streams]
-    while sum(len(s.key) + len(s.information_type) + len(s.schedule) for s in streams) > BOUNDS.text:
-        streams = streams[: len(streams) // 2]
     subscriptions = tuple(filter(_is_readable, state.subscriptions))[: BOUNDS.subscriptions]
-    while sum(map(len, subscriptions)) > BOUNDS.text // 2:
+    while (taken := sum(map(_bytes, subscriptions))) > BOUNDS.subscription_bytes:
         subscriptions = subscriptions[: len(subscriptions) // 2]
+    while sum(map(stream_bytes, streams)) > BOUNDS.state_bytes - BOUNDS.rest_bytes - taken:
+        streams = streams[: len(streams) // 2]
     origins = state.origins[: BOUNDS.origins]
     left = len(state.streams) - len(streams) + len(state.subscriptions) - len(subscriptions)
     left += len(state.origins) - len(origins)
@@ -57,6 +58,11 @@ def shortened(state: State) -> tuple[State, int]:
 def _is_readable(text: str) -> bool:
     """Whether others take a key, or an expression, that is so long."""
     return len(text.encode()) <= BOUNDS.key_bytes
+
+
+def _bytes(subscription: str) -> int:
+    """Return what a subscription takes at most [B]: its length stands before it."""
+    return len(subscription.encode()) + 3
 
 
 def differs(announced: State, state: State) -> bool:

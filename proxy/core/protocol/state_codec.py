@@ -32,6 +32,11 @@ def pack_state(state: State) -> bytes:
     return min(plain, zlib.compress(plain, 9), key=len)
 
 
+def stream_bytes(stream: StreamState) -> int:
+    """Return what a stream takes in a state that is not compressed [B]."""
+    return len(envelope.packed(_stream_fields(stream)))
+
+
 def unpack_state(data: bytes, robot: str) -> State:
     """Return the state in `data` of `robot`; raise `MalformedWireError` when it is none."""
     f = envelope.fields_of(_inflated(data, TUNING.state_bytes + 1), TUNING.state_bytes, 6)

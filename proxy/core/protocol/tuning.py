@@ -41,8 +41,10 @@ class ProtocolTuning:
     """Subscriptions in a state."""
     origins: int = 256
     """Origins in a state."""
-    text: int = 160_000
-    """Letters in the keys of a state's streams, and half as many in its subscriptions."""
+    subscription_bytes: int = 80_000
+    """All subscriptions of a state [B]."""
+    rest_bytes: int = 8192
+    """What a state has beside streams and subscriptions takes less [B]: origins, and what is told of parts."""
     key_bytes: int = 1024
     """The longest key, key expression or name [B]."""
     version_text: int = 64

@@ -8,6 +8,7 @@ from proxy.core.gossip.own_state import as_announced, differs, shortened, state_
 from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import State, StreamState
+from proxy.core.protocol.split_report import SplitReport
 from proxy.core.protocol.state_codec import pack_state, unpack_state
 from proxy.core.protocol.tuning import TUNING
 from proxy.core.view.stream import Generated
@@ -87,6 +88,22 @@ def test_what_is_too_much_is_left_out_and_counted():
     short, left = shortened(replace(TOLD, streams=long, subscriptions=("k" * 1000,) * 100))
     assert (len(short.streams), len(short.subscriptions)) == (100, 50)
     assert shortened(TOLD) == (TOLD, 0)
+
+
+@pytest.mark.parametrize("letter", ["k", "ä", "温", "🛰"])
+@pytest.mark.parametrize("length", [1, 20, 250])
+def test_as_much_is_told_as_others_read(letter, length):
+    """Whatever the script: where letters were counted, not bytes, a state in Chinese was unreadable to all."""
+    streams = tuple(
+        StreamState(2**30 + n, letter * length, "c" * 64, 0.5, 1e-12, 2**30, "periodic") for n in range(4096)
+    )
+    subscriptions, origins = (letter * length,) * 1024, tuple(f"{n:032x}" for n in range(2**127, 2**127 + 256))
+    report = SplitReport(2**32 - 1, None, 1, 2**32 - 1, (2**32 - 1,) * TUNING.turns)
+    short, left = shortened(replace(TOLD, streams=streams, subscriptions=subscriptions, origins=origins))
+    assert left == 4096 + 1024 - len(short.streams) - len(short.subscriptions)
+    read = unpack_state(pack_state(replace(short, split=report)), "r1")
+    assert read.subscriptions == short.subscriptions
+    assert len(read.streams) == len(short.streams) > 50
 
 
 @pytest.mark.parametrize("key", ["robot/*", "robot/**", "k" * 1025, "ä" * 513])
