@@ -30,7 +30,7 @@ from utility_specs.rules import Deletes, Fallback, Queries, TypeMode
 from utility_specs.schedules import AnySchedule
 from utility_specs.suggestions import described, quoted
 from utility_specs.units import Duration, Fraction, Frequency, Part, Quantity, Size
-from utility_specs.utilities import AnyUtilityTable
+from utility_specs.utilities import AnyUtilityTable, PythonTable
 
 MOST_TYPES = 128
 """Information types of one file at most."""
@@ -40,6 +40,8 @@ MOST_CONSTANTS = 64
 """Constants of one file at most."""
 MOST_OF_A_TYPE = 64
 """Keys of an information type, and its features at most."""
+MOST_TOLD = 32
+"""Features of a type with a `python` utility at most: robots tell each other all of them, and no more."""
 MOST_KEYS = 256
 """Keys of all types of one file at most: each is compared with all before it."""
 
@@ -159,6 +161,8 @@ class InformationTypeTable(Table):
                 raise ValueError(f"{quoted(name)} is captured by keys; choose another name for the feature")
             if name in (_constants(info) or ()):
                 raise ValueError(f"{quoted(name)} is a constant; choose another name for the feature")
+        if len(features) > MOST_TOLD and isinstance(info.data.get("utility"), PythonTable):
+            raise ValueError(f"a python utility has at most {MOST_TOLD} features, not {len(features)}")
         return features
 
     @field_validator("weight")

@@ -259,6 +259,9 @@ CORPUS = [
         camera(13, "features.red.colour", 'unknown key (did you mean "color"?)')),
     bad('color = "red"', 'color = "red", default = nan',
         camera(13, "features.red.default", "must be a finite number, not nan")),
+    bad('"video" }', '"python", function = "tests.utility_specs.worths:by_red" }\n'
+        + "".join(f'features.f{n} = {{ kind = "size" }}\n' for n in range(32)),
+        camera(12, "features", "a python utility has at most 32 features, not 33")),
     bad("features.red = ", "features.max = ", camera(13, "features.max", MEANING)),
     bad("features.red = ", "features.if = ", camera(13, "features.if", MEANING)),
     bad("features.red = ", 'features."red pixels" = ', camera(13, 'features."red pixels"',

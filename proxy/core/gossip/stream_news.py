@@ -1,6 +1,7 @@
 """News of our streams: what there is to tell of each, and what was announced of it last."""
 
 from collections.abc import Container, Iterable
+from itertools import accumulate
 from operator import attrgetter
 
 from proxy.core.forecast import rhythm_report
@@ -64,7 +65,7 @@ class StreamNews:
             news = [(s, d) for s, d in news if s.key in new or (s.key in only and self._sent_of(s.key) != d.forwarded)]
         news.sort(key=lambda entry: -self._weight(*entry))
         refreshed = [entry for entry in self._old(now, current) if entry not in news] if only is None else []
-        chosen = (news + refreshed[: TUNING.refreshed])[: TUNING.streams]
+        chosen = _fitting((news + refreshed[: TUNING.refreshed])[: TUNING.streams])
         self._announced.update({s.key: (now, d) for s, d in chosen})
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)
@@ -127,6 +128,12 @@ class StreamNews:
     def _weight(self, stream: Stream, digest: StreamDigest) -> float:
         announced = self._announced.get(stream.key)
         return float("inf") if announced is None else abs(digest.scale - announced[1].scale) + digest.scale
+
+
+def _fitting(entries: list[tuple[Stream, StreamDigest]]) -> list[tuple[Stream, StreamDigest]]:
+    """Return the first ones, as many as a digest has room for, whatever numbers are in there."""
+    sizes = accumulate(TUNING.news + TUNING.feature * len(digest.features) for _, digest in entries)
+    return [entry for entry, size in zip(entries, sizes, strict=True) if size <= TUNING.news_bytes]
 
 
 def digest_of(stream: Stream) -> StreamDigest | None:

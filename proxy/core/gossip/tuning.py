@@ -90,7 +90,13 @@ class GossipTuning:
     the channel: after agreeing on parts three robots told nothing for 3 to 5 s then, which was taken for a queue, and
     sent 10 to 40 % less."""
     streams: int = 32
-    """News of at most this many streams in one digest."""
+    """News of at most this many streams in one digest..."""
+    news_bytes: int = 6144
+    """... and of so many bytes [B]: the rest of what others read is for echoes, limits and parts."""
+    news: int = 70
+    """News of a stream takes so much at most [B]..."""
+    feature: int = 9
+    """... and so much for each of its features [B]: a large whole number."""
     echoed: int = 8
     """Peers echoed in one digest."""
     refresh_after: float = 10.0

@@ -107,6 +107,24 @@ def test_others_read_of_a_sample_however_much_it_is_worth(make_specs):
     assert unpack_digest(data, "r1", "a1b2c3d4").streams[0].scale == worthy.newest.scale
 
 
+def test_a_digest_has_news_of_no_more_features_than_others_read(make_specs):
+    """The rest follows in the next: 32 streams with 32 large numbers each were malformed to all."""
+    utility = 'utility = { kind = "python", function = "tests.utility_specs.worths:by_red" }'
+    features = "".join(f'features.f{n} = {{ kind = "size" }}\n' for n in range(31))
+    text = UNLIMITED.replace('utility = { kind = "video" }', utility).replace("forecast =", features + "forecast =")
+    (covering,) = make_specs(text=text).types
+    values = dict.fromkeys((name for name, _ in covering.features), 2.0**40)
+    news, many = StreamNews(), [Stream(2**31 + n, "r1", f"k{n}", covering) for n in range(32)]
+    for each in many:
+        each.note_generated(2**40, Generated(1e9, 2**30, 1e14 / 3, values))
+    told = [news.take(2.0, many) for _ in range(3)]
+    assert sorted(each.id for digest in told for each in digest) == [each.id for each in many]
+    for streams in told:
+        data = pack_digest(Digest("r1", "a1b2c3d4", 2.0, 2**53, 2**53, streams, state=2**53))
+        assert len(data) < TUNING.news_bytes
+        assert [s.features for s in unpack_digest(data, "r1", "a1b2c3d4").streams] == [s.features for s in streams]
+
+
 def test_features_are_told_where_others_need_them(make_specs):
     """Only a `python` utility needs more than the scale."""
     for utility, told in (
