@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from planner import Aggregation, Constraint, Message, Plan, Problem, Traffic
 from planner.airtime import Airtime
 from planner.measures import Energy, Messages, Throughput
-from planner.problem import Receiver, Stream
+from planner.problem import Latest, Receiver, Stream
 from planner.utility import Exponential, Linear, Polynomial, Power, Step, Video
 from proxy.recording.errors import RecordingError
 from utility_specs.forecast import FeatureForecast, Last, Mean, Trend
@@ -23,7 +23,7 @@ from utility_specs.schedules import PeriodicRule, PoissonRule, TimesRule
 CORE = "proxy.core."
 """What the modules begin with all of whose classes a snapshot may have."""
 OTHERS: tuple[type, ...] = (
-    *(Aggregation, Constraint, Message, Plan, Problem, Receiver, Stream, Traffic),
+    *(Aggregation, Constraint, Latest, Message, Plan, Problem, Receiver, Stream, Traffic),
     *(Airtime, Energy, Messages, Throughput),
     *(Exponential, Linear, Polynomial, Power, Step, Video),
     *(FeatureForecast, Last, Mean, Trend, Lifetime, PeriodicRule, PoissonRule, TimesRule),
