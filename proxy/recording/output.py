@@ -154,6 +154,13 @@ class Output:
                 self._writer.gap(self._last.gap(self._number), self._now)
             self._end(reason)
 
+    def give_up(self, reason: str, number: int) -> None:
+        """An error ended all: the file stays as it is, what is in no file up to event `number` is missing."""
+        lost = number - self._number + self._in_hand.events
+        self.written = replace(self.written.lacking(lost), problem=reason)
+        if self._writer is not None:
+            self._writer.abandon()
+
     def _head(self, head: Head) -> None:
         """Begin another file here if this one is full; write what the core knows."""
         if self._full:
@@ -172,7 +179,8 @@ class Output:
 
     @property
     def _full(self) -> bool:
-        return self._writer is not None and self._writer.size >= self._file_bytes
+        writer = self._writer
+        return writer is not None and (writer.size >= self._file_bytes or writer.channels >= TUNING.channels)
 
     def _ask_head(self) -> None:
         if self._heads_come == self.heads:

@@ -61,6 +61,8 @@ class Recorder:
         """Bytes of payloads that were noted, and that were written or given up [B]."""
         self._wake = threading.Event()
         self._open = True
+        self._lost_from: int | None = None
+        """The number from which on nothing is noted, as an error ended the writing."""
         self._begun = threading.Event()
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
 
@@ -89,13 +91,14 @@ class Recorder:
 
     def describe(self) -> dict[str, object]:
         """Return what the status says of it."""
-        written = self._output.written
+        written, number, from_ = self._output.written, self._number, self._lost_from
+        waiting = self._missing.events if self._missing else 0
         return {
             "file": written.file,
             "files": written.files,
             "bytes": written.bytes,
-            "events": self._number - self._first,
-            "missing": written.missing + (self._missing.events if self._missing else 0),
+            "events": number - self._first,
+            "missing": written.missing + (waiting if from_ is None else number - from_),
             "problem": written.problem or self.unsaved,
         }
 
@@ -136,7 +139,8 @@ class Recorder:
         commands = self._core.pass_on(event)
         if commands is not None:
             self._note(event, commands, "")
-            self._special = self._payload is not None or self._missing is not None or len(self._items) >= _MANY
+            special = self._payload is not None or self._missing is not None or self._lost_from is not None
+            self._special = special or len(self._items) >= _MANY
         return commands
 
     def _save(self, now: float) -> None:
@@ -157,6 +161,8 @@ class Recorder:
     def _note(self, event: Event, commands: Sequence[Any], fault: str) -> None:
         number, items = self._number, self._items
         self._number = number + 1
+        if self._lost_from is not None:
+            return
         if len(items) >= TUNING.events:
             self._missing = self._missing or Missing(FULL)
             self._missing.event(number, event)
@@ -184,6 +190,22 @@ class Recorder:
         return found
 
     def _run(self) -> None:
+        try:
+            self._record()
+        except Exception as error:
+            log.exception("recording ends, for an error")
+            self._give_up(f"{type(error).__name__}: {error}")
+
+    def _give_up(self, reason: str) -> None:
+        """Nothing is written any more, so nothing waits."""
+        number = self._number
+        self._output.give_up(reason, number)
+        self._lost_from, self._special, self._heads = number, True, self._output.heads
+        self._items.clear()
+        self._writing = 0
+        self._begun.set()
+
+    def _record(self) -> None:
         self._output.open()
         self._begun.set()
         flushed = clock.monotonic()

@@ -31,6 +31,8 @@ class RecordingTuning:
     """Whoever has a recording stopped waits for its end so long at most [s]: less than he waits for an answer."""
     chunk: int = 256 * 1024
     """Bytes of messages that are compressed together: more compress hardly better, and are held in memory."""
+    channels: int = 50_000
+    """A file with so many keys of payloads is full: MCAP numbers 65,535, and events that wait may be of others."""
     snapshot: int = 32 * 1024 * 1024
     """Largest snapshot of the core [B]: one of 500 streams takes 1.2 MB, one of 4,096 about 10."""
     record: int = 64 * 1024 * 1024

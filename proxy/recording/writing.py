@@ -58,6 +58,11 @@ class RecordingWriter:
         return self._file.size
 
     @property
+    def channels(self) -> int:
+        """Channels of the file so far: one for each key of payloads, and for each kind of entry."""
+        return self._file.channels
+
+    @property
     def pending(self) -> int:
         """Bytes in hand, not compressed."""
         return self._file.pending

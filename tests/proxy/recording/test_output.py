@@ -2,16 +2,18 @@
 
 import resource
 from contextlib import contextmanager
+from dataclasses import replace
 
 import pytest
 from mcap.reader import make_reader
 
 from proxy.bridge.payloads import Content
 from proxy.core.interface import events as ev
-from proxy.recording.entries import End, Gap, Happened, Snapshot, SpecsText, Start
+from proxy.recording.entries import End, Gap, Happened, Payload, Snapshot, SpecsText, Start
 from proxy.recording.folder import RecordingFolder
 from proxy.recording.missing import Missing
 from proxy.recording.output import Head, Output, text_of
+from proxy.recording.tuning import RecordingTuning
 from tests.proxy.recording.lives import START, entries, published
 from tests.waiting import wait_until
 from utility_specs import Specs, load_specs
@@ -101,6 +103,22 @@ def test_large_files_are_followed_by_others(output, tmp_path):
         due += sum(isinstance(entry, Happened) for entry in found)
     assert place > 0
     assert due == 3000
+
+
+def test_a_file_of_many_keys_is_followed_by_another(output, tmp_path, monkeypatch):
+    """Each key of payloads takes a channel of the file, of which there are 65,535: the next one ended the recording."""
+    monkeypatch.setattr("proxy.recording.output.TUNING", RecordingTuning(channels=20))
+    output.given = 0
+    for number in range(100):
+        headed(output, number)
+        event = replace(published(number), key=f"robot/r1/object/{number}")
+        output.add((number, event, (), "", Content(1, lambda: (b"x", ""))))
+        output.flush()
+    output.close("stopped")
+    found = [entries(file) for file in files(tmp_path)]
+    assert len(found) > 4
+    assert not any(problems for _, problems in found)
+    assert sum(isinstance(entry, Payload) for each, _ in found for entry in each) == 100
 
 
 def test_specs_that_change_are_written_before_their_event(output, tmp_path):

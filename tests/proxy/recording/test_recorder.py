@@ -135,6 +135,29 @@ def test_payloads_wait_within_a_bound(record, tmp_path):
     assert (found[8].events, found[8].payloads) == (0, 1)
 
 
+def test_an_error_ends_the_recording_and_nothing_else(record, tmp_path, caplog):
+    """The file can be read, all that is not there counts as missing, and the status says why."""
+
+    def fails():
+        raise ValueError("gone")
+
+    recorder = record(lambda sample: Content(1, fails) if sample == 2 else None)
+    for number in range(10):
+        recorder.handle(published(number))
+    recorder.start()
+    assert recorder.wait(60.0)
+    for number in range(10, 20):
+        recorder.handle(published(number))
+        recorder.pass_on(published(20))
+    told = recorder.describe()
+    assert (told["events"], told["missing"], told["problem"]) == (30, 30, "ValueError: gone")
+    assert recorder.waiting == 0
+    assert recorder.begun(0.0)
+    assert "recording ends, for an error" in caplog.text
+    found, _ = entries(tmp_path / "r1-19700101T000000Z-0001.mcap")
+    assert [type(entry).__name__ for entry in found] == ["Start", "SpecsText"]
+
+
 def test_what_waits_is_written_soon(record, tmp_path):
     """A daemon that is killed loses a second of its record, or so."""
     recorder = record()
