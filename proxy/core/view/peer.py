@@ -21,7 +21,7 @@ Entry = tuple[float, Amount, str]
 
 
 class PendingNews:
-    """The last news of each such stream of one robot; `evicted` counts those for which there was no room."""
+    """The last news of each such stream of one robot; `evicted` counts those that had to make room for others."""
 
     def __init__(self) -> None:
         self._news: dict[int, StreamDigest] = {}
@@ -33,11 +33,16 @@ class PendingNews:
         return len(self._news)
 
     def keep(self, news: StreamDigest) -> bool:
-        """Keep news; return whether it tells of another sample that was sent."""
-        earlier = self._news.get(news.id)
+        """Keep news; return whether it tells of another sample that was sent.
+
+        Of too many the one not heard of for longest is forgotten: a key that is gone by the next state is never known.
+        """
+        earlier = self._news.pop(news.id, None)
         if earlier is None and len(self._news) >= TUNING.pending_news:
+            oldest = next(iter(self._news))
+            del self._news[oldest]
+            self._counted.pop(oldest, None)
             self.evicted += 1
-            return False
         self._news[news.id] = news
         return news.forwarded > (0 if earlier is None else earlier.forwarded)
 

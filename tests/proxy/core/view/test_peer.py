@@ -57,6 +57,22 @@ def test_news_without_a_key_is_bounded(view):
     assert (len(view.peers["z-r2"].pending), view.peers["z-r2"].evicted) == (1024, 6)
 
 
+def test_news_without_a_key_that_is_heard_of_no_more_makes_room(view):
+    """Keys that are gone by the next state are never named: what a new stream sent did not count once 1,024 were."""
+    view.add_peer(0.0, "r2", "z-r2")
+
+    def news(number):
+        return StreamDigest(number, 1, 1, 1.0, 1.0, 10, 1.0)
+
+    view.heard_digest(1.0, digest(1.0, *map(news, range(1024))))
+    view.heard_digest(1.1, digest(1.1, news(0)))
+    view.heard_digest(1.2, digest(1.2, news(5000)))
+    assert len(view.traffic.sends) == 1025
+    streams = tuple(StreamState(number, f"robot/r2/{number}/camera", "camera", 0.5) for number in (0, 1, 5000))
+    view.heard_state(1.3, State("r2", "z-r2", "enforce", "", streams))
+    assert len(view.peers["z-r2"].pending) == 1022
+
+
 def test_how_long_a_stream_is_silent_tells_when_its_robot_spoke_not_when_that_came(make_specs):
     """Where news take as long as ten periods no stream is over for it."""
     view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
