@@ -17,7 +17,7 @@ def stream_decisions(core: Parts, now: float, key: str, last: int, after: int) -
     """Return the last decisions on our stream of a key, the oldest first, and what is undecided of it."""
     robot, log = core.settings.robot, core.gate.decisions.log
     stream, entries = core.view.streams.known(robot, key), log.of(key)
-    share = 0.0 if stream is None else sum(each.share for each in core.view.audiences.of(now, stream).receivers)
+    share = _share(core, now, stream)
     return {
         "robot": robot,
         "key": key,
@@ -30,6 +30,13 @@ def stream_decisions(core: Parts, now: float, key: str, last: int, after: int) -
         "undecided": _undecided(core, now, key),
         "decisions": [_entry(core, now, stream, share, each) for each in entries if each.number > after][-last:],
     }
+
+
+def _share(core: Parts, now: float, stream: Stream | None) -> float:
+    """Return how often a sample of a stream counts; of one that is unknown, or was only deleted yet, none does."""
+    if stream is None or stream.last is None:
+        return 0.0
+    return sum(each.share for each in core.view.audiences.of(now, stream).receivers)
 
 
 def _undecided(core: Parts, now: float, key: str) -> list[dict[str, Any]]:

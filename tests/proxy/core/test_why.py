@@ -106,6 +106,15 @@ def test_unknown_streams_have_no_decisions(make_talk):
     assert (told["type"], told["decisions"], told["undecided"]) == (None, [], [])
 
 
+def test_a_key_that_was_only_deleted_yet_has_no_decisions(make_talk):
+    """No sample of it was generated; the question was answered with an error."""
+    talk = make_talk()
+    talk.publish(1.0, size=0, delete=True)
+    assert talk.core.decided_keys() == [KEY]
+    told = talk.core.why(2.0, KEY, 3, 0)
+    assert (told["type"], told["generated"], told["decisions"]) == ("camera", 0, [])
+
+
 def test_late_and_failed_searches_are_told(make_talk):
     """And what nobody wants, and what the mesh did not take."""
     talk = make_talk()
