@@ -79,7 +79,8 @@ class Kept:
             self.copies.bound()
 
     def refused(self, key: str, sample: int) -> None:
-        """The mesh session did not take a sample that was forwarded: nobody got it, and nobody is to."""
+        """A sample was forwarded, and the mesh session did not take it, or it is gone undecided: nobody gets it."""
+        self._undecided.pop(sample, None)
         self.copies.sent.forget(key, sample)
 
     def lost(self, now: float, robot: Leaving) -> None:

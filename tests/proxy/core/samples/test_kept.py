@@ -74,6 +74,15 @@ def test_a_sample_that_waits_for_its_decision_until_the_robot_is_back_is_kept_on
     assert (kept.copies.entered, kept.copies.waiting) == (3, 3)
 
 
+def test_a_sample_that_is_gone_before_it_was_decided_is_not_kept():
+    """Its payload is lost while it is to be read again: robots that vanished later were kept a copy of nothing."""
+    kept = Kept(100.0)
+    kept.published(Waiting(1, "alarm/a", 1_000, 0.1, 1.0, 5, False), 60.0, 64, delete=False)
+    kept.refused("alarm/a", 1)
+    kept.lost(0.2, Leaving("away", tag(ZID), KEYS, frozenset(), alike=True))
+    assert (kept.key_of(1), kept.copies.entered, kept.copies.waiting) == (None, 0, 0)
+
+
 def test_what_is_worth_nothing_any_more_is_given_up(make):
     """After the lifetime of 60 s, with a reason."""
     talk = make()
