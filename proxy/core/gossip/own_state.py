@@ -7,6 +7,7 @@ from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.limits import fingerprint
 from proxy.core.model.mode import Mode
+from proxy.core.protocol import checked
 from proxy.core.protocol.messages import State, StreamState
 from proxy.core.protocol.state_codec import stream_bytes
 from proxy.core.protocol.tuning import TUNING as BOUNDS
@@ -43,7 +44,7 @@ def shortened(state: State) -> tuple[State, int]:
     too. One of them would spoil the whole state: the others knew no subscription of the robot, took one copy for what
     two robots got, and sent 1.9 limits.
     """
-    streams = tuple([s for s in state.streams if "*" not in s.key and _is_readable(s.key)])[: BOUNDS.streams]
+    streams = tuple([s for s in state.streams if checked.is_key(s.key)])[: BOUNDS.streams]
     subscriptions = tuple(filter(_is_readable, state.subscriptions))[: BOUNDS.subscriptions]
     while (taken := sum(map(_bytes, subscriptions))) > BOUNDS.subscription_bytes:
         subscriptions = subscriptions[: len(subscriptions) // 2]
@@ -56,7 +57,7 @@ def shortened(state: State) -> tuple[State, int]:
 
 
 def _is_readable(text: str) -> bool:
-    """Whether others take a key, or an expression, that is so long."""
+    """Whether others take an expression that is so long."""
     return len(text.encode()) <= BOUNDS.key_bytes
 
 

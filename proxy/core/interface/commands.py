@@ -65,8 +65,9 @@ class SendCopy:
 class TellBacklog:
     """Tell the robot with the tag `to` for which keys copies wait for it: new samples of these overtake the copies.
 
-    `keys` are None where there are too many to name. The message with the greatest `number` holds. With `grows` it
-    names keys that the last one did not; else it must not overtake copies that were sent before.
+    `keys` are None where there are too many to name, or one that others do not read. The message with the greatest
+    `number` holds. With `grows` it names keys that the last one did not; else it must not overtake copies that were
+    sent before.
     """
 
     to: str

@@ -38,10 +38,15 @@ def text(value: object) -> str:
     return value
 
 
+def is_key(text: str) -> bool:
+    """Whether others take a text for the key of a sample: no key expression, and not too long."""
+    return bool(text) and "*" not in text and len(text.encode()) <= TUNING.key_bytes
+
+
 def key(value: object) -> str:
     """Return the key of a sample."""
     found = text(value)
-    if "*" in found or not found:
+    if not is_key(found):
         raise MalformedWireError(f"{found:.80} is no key of a sample")
     return found
 

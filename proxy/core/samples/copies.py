@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from proxy.core.interface.commands import Command, Forget, Keep, TellBacklog
 from proxy.core.model.waiting import Waiting
+from proxy.core.protocol.checked import is_key
 from proxy.core.samples.away import Away, Copy, Leaving
 from proxy.core.samples.tuning import TUNING
 
@@ -209,7 +210,8 @@ class Copies:
         self._announced += 1
         if (away := self._away.get(to)) is not None:
             away.tell(keys)
-        named = tuple(sorted(keys)) if len(keys) <= TUNING.named_keys else None
+        nameable = len(keys) <= TUNING.named_keys and all(map(is_key, keys))
+        named = tuple(sorted(keys)) if nameable else None
         self._announcements.append(TellBacklog(to, self._announced, named, grows))
 
     def announce_news(self, away: Away) -> None:

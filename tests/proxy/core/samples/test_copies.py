@@ -1,5 +1,6 @@
 """Copies, as they are bounded and accounted for."""
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -7,6 +8,7 @@ from planner import Plan
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forget, Forward, Keep, SendCopy, TellBacklog
 from proxy.core.model.waiting import Waiting
+from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.messages import State, tag
 from proxy.core.samples.copies import HeldPayloads
 from proxy.core.samples.tuning import TUNING
@@ -53,6 +55,17 @@ def test_a_deletion_keeps_its_place_among_the_copies(make):
     talk.vanish(10.0)
     samples = [talk.alarm(11.0), talk.alarm(12.0, delete=True), talk.alarm(13.0)]
     assert talk.copies(talk.arrive(14.0)) == to_away(*samples)
+
+
+@pytest.mark.parametrize("key", ["alarm/*", "alarm/" + "k" * 1019, "alarm/" + "温" * 340])
+def test_of_a_key_that_others_do_not_read_copies_wait_without_a_name(make, key):
+    """All that waited was unreadable to the robot, so new samples overtook the copies."""
+    talk = make()
+    talk.vanish(10.0)
+    talk.alarm(11.0)
+    talk.alarm(12.0, key)
+    first, *_ = only(talk.arrive(20.0), TellBacklog)
+    assert (first.keys, unpack_backlog(pack_backlog(first.number, first.keys))) == (None, (first.number, None))
 
 
 EVENTS = st.lists(
