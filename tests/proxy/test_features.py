@@ -149,6 +149,8 @@ def test_what_takes_too_long_holds_up_no_stream(extractor, loop):
     assert found[: TUNING.costly_jobs] == [0.5] * TUNING.costly_jobs
     assert found[-2:] == [-0.5, 99.0]
     assert costly.extracted == []
+    wait_until(lambda: costly.begun, what="the first one in the background")
+    assert extractor.warnings(clock.monotonic() + 60.0)[0].startswith("a feature takes longer than 2 s")
     costly.gate.set()
     wait_until(lambda: len(costly.extracted) >= TUNING.costly_jobs, what="what waited in the background")
 
