@@ -141,7 +141,7 @@ class Output:
         if self._writer is None:
             return
         self.written = replace(self.written, bytes=self._closed_bytes + self._writer.size)
-        if self._full and not self._missing:
+        if _full(self._writer, self._file_bytes) and not self._missing:
             self._ask_head()
 
     def close(self, reason: str) -> None:
@@ -163,12 +163,12 @@ class Output:
 
     def _head(self, head: Head) -> None:
         """Begin another file here if this one is full; write what the core knows."""
-        if self._full:
+        if _full(self._writer, self._file_bytes):
             self.flush()
         self._heads_come = self.heads
         if self._missing:
             return
-        if self._full:
+        if _full(self._writer, self._file_bytes):
             self._end("rotated")
             self._try(self._begin)
         if self._writer is not None and head.snapshot is not None:
@@ -176,11 +176,6 @@ class Output:
             if self._try(self._writer.flush):
                 self._settle()
             give_back()  # what the snapshot took: else a daemon keeps that, 2 MB of 200 streams
-
-    @property
-    def _full(self) -> bool:
-        writer = self._writer
-        return writer is not None and (writer.size >= self._file_bytes or writer.channels >= TUNING.channels)
 
     def _ask_head(self) -> None:
         if self._heads_come == self.heads:
@@ -279,3 +274,8 @@ class Output:
 def text_of(specs: Specs) -> SpecsText:
     """Return specs as they were written."""
     return SpecsText(specs.generation, tuple(SpecFile(name, text) for name, text in specs.texts))
+
+
+def _full(writer: RecordingWriter | None, most: int) -> bool:
+    """Whether nothing more goes into a file of at most so many bytes."""
+    return writer is not None and (writer.size >= most or writer.channels >= TUNING.channels)
