@@ -86,7 +86,7 @@ class RecordingWriter:
         if data is None:
             data = text(_told(event, commands, fault)).encode()
         kind, number = type(event), self.number
-        at = self._nanoseconds(event.now)
+        at = _nanoseconds(self._offset + event.now)
         self._file.add(self._events.get(kind) or self._event_channel(kind), number, at, at, data)
         self.number = number + 1
 
@@ -118,7 +118,7 @@ class RecordingWriter:
             told = {"key": payload.key, "encoding": encoding}
             channel = self._file.channel(topic, "json" if json_text else "application/octet-stream", None, told)
             self._channels[topic] = channel
-        at = self._nanoseconds(now)
+        at = _nanoseconds(self._offset + now)
         self._file.add(channel, payload.sample, at, at, payload.data)
 
     def gap(self, gap: Gap, now: float) -> None:
@@ -165,12 +165,13 @@ class RecordingWriter:
         return channel
 
     def _add(self, channel: int, now: float, data: bytes) -> None:
-        at = self._nanoseconds(now)
+        at = _nanoseconds(self._offset + now)
         self._file.add(channel, self.number, at, at, data)
 
-    def _nanoseconds(self, now: float) -> int:
-        """Return the wall time of a time in the recording [ns]."""
-        return max(0, int((now + self._offset) * 1e9))
+
+def _nanoseconds(wall: float) -> int:
+    """Return a wall time in [ns]."""
+    return max(0, int(wall * 1e9))
 
 
 def _told(event: Event, commands: Sequence[Command | dict[str, Any]], fault: str) -> dict[str, Any]:
