@@ -87,11 +87,6 @@ class McapFile:
         return self._size + self._left + len(self._fresh) + len(self._pending)
 
     @property
-    def channels(self) -> int:
-        """How many channels it has; there may be 65,535."""
-        return len(self._channels)
-
-    @property
     def pending(self) -> int:
         """Bytes in hand, which are in no chunk yet."""
         return len(self._pending)

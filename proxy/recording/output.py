@@ -141,8 +141,8 @@ class Output:
         if self._writer is None:
             return
         self.written = replace(self.written, bytes=self._closed_bytes + self._writer.size)
-        if _full(self._writer, self._file_bytes) and not self._missing:
-            self._ask_head()
+        if self._full and not self._missing:
+            self.heads = self._heads_come + 1
 
     def close(self, reason: str) -> None:
         """Write all that is in hand, and close the file. On a full disk the last chunk makes room to say so."""
@@ -163,12 +163,12 @@ class Output:
 
     def _head(self, head: Head) -> None:
         """Begin another file here if this one is full; write what the core knows."""
-        if _full(self._writer, self._file_bytes):
+        if self._full:
             self.flush()
         self._heads_come = self.heads
         if self._missing:
             return
-        if _full(self._writer, self._file_bytes):
+        if self._full:
             self._end("rotated")
             self._try(self._begin)
         if self._writer is not None and head.snapshot is not None:
@@ -177,9 +177,10 @@ class Output:
                 self._settle()
             give_back()  # what the snapshot took: else a daemon keeps that, 2 MB of 200 streams
 
-    def _ask_head(self) -> None:
-        if self._heads_come == self.heads:
-            self.heads += 1
+    @property
+    def _full(self) -> bool:
+        writer = self._writer
+        return writer is not None and (writer.size >= self._file_bytes or len(writer.channels) >= TUNING.channels)
 
     def _end(self, reason: str) -> None:
         """Close the file; where there is no room for its end it does without."""
@@ -255,7 +256,7 @@ class Output:
     def _go_on(self) -> None:
         if self._writer is None:
             self._begin()
-            self._ask_head()
+            self.heads = self._heads_come + 1
         if self._writer is not None:
             if self._missing:
                 self._writer.gap(self._missing.gap(self._number), self._now)
@@ -274,8 +275,3 @@ class Output:
 def text_of(specs: Specs) -> SpecsText:
     """Return specs as they were written."""
     return SpecsText(specs.generation, tuple(SpecFile(name, text) for name, text in specs.texts))
-
-
-def _full(writer: RecordingWriter | None, most: int) -> bool:
-    """Whether nothing more goes into a file of at most so many bytes."""
-    return writer is not None and (writer.size >= most or writer.channels >= TUNING.channels)

@@ -46,7 +46,8 @@ class RecordingWriter:
     def __init__(self, path: Path, start: Start) -> None:
         self._file = McapFile(path, PROFILE, f"sendworthy {start.version}".rstrip())
         self._offset = start.wall_offset
-        self._channels: dict[str, int] = {}
+        self.channels: dict[str, int] = {}
+        """The channel of each kind of entry, and of each key of payloads."""
         self._events: dict[type[Event], int] = {}
         self.number = start.number
         """That of the next event."""
@@ -56,11 +57,6 @@ class RecordingWriter:
     def size(self) -> int:
         """Bytes of the file so far, those in hand included."""
         return self._file.size
-
-    @property
-    def channels(self) -> int:
-        """Channels of the file so far: one for each key of payloads, and for each kind of entry."""
-        return self._file.channels
 
     @property
     def pending(self) -> int:
@@ -75,9 +71,9 @@ class RecordingWriter:
         """Write what the core knew before the next event: a line of JSON, and behind it the data."""
         head = plain(snapshot)
         data = head.pop("data")
-        channel = self._channels.get(SNAPSHOT)
+        channel = self.channels.get(SNAPSHOT)
         if channel is None:
-            channel = self._channels[SNAPSHOT] = self._file.channel(SNAPSHOT, "application/octet-stream", None, {})
+            channel = self.channels[SNAPSHOT] = self._file.channel(SNAPSHOT, "application/octet-stream", None, {})
         self._add(channel, snapshot.now, text(head).encode() + b"\n" + data)
 
     def happened(self, event: Event, commands: Sequence[Command | dict[str, Any]] = (), fault: str = "") -> None:
@@ -86,7 +82,7 @@ class RecordingWriter:
         if data is None:
             data = text(_told(event, commands, fault)).encode()
         kind, number = type(event), self.number
-        at = _nanoseconds(self._offset + event.now)
+        at = self._nanoseconds(event.now)
         self._file.add(self._events.get(kind) or self._event_channel(kind), number, at, at, data)
         self.number = number + 1
 
@@ -112,13 +108,13 @@ class RecordingWriter:
     def payload(self, payload: Payload, encoding: str, now: float) -> None:
         """Write a payload as it was, on a channel of its key; `encoding` is what Zenoh says of it."""
         topic = PAYLOADS + payload.key
-        channel = self._channels.get(topic)
+        channel = self.channels.get(topic)
         if channel is None:
             json_text = encoding in ("application/json", "text/json")
             told = {"key": payload.key, "encoding": encoding}
             channel = self._file.channel(topic, "json" if json_text else "application/octet-stream", None, told)
-            self._channels[topic] = channel
-        at = _nanoseconds(self._offset + now)
+            self.channels[topic] = channel
+        at = self._nanoseconds(now)
         self._file.add(channel, payload.sample, at, at, payload.data)
 
     def gap(self, gap: Gap, now: float) -> None:
@@ -153,10 +149,10 @@ class RecordingWriter:
             self.abandon()
 
     def _entry(self, topic: str, entry: Any, now: float) -> None:
-        channel = self._channels.get(topic)
+        channel = self.channels.get(topic)
         if channel is None:
             channel = self._file.channel(topic, "json", _schema(_KINDS[topic], {}), {})
-            self._channels[topic] = channel
+            self.channels[topic] = channel
         self._add(channel, now, text(plain(entry)).encode())
 
     def _event_channel(self, kind: type[Event]) -> int:
@@ -165,13 +161,12 @@ class RecordingWriter:
         return channel
 
     def _add(self, channel: int, now: float, data: bytes) -> None:
-        at = _nanoseconds(self._offset + now)
+        at = self._nanoseconds(now)
         self._file.add(channel, self.number, at, at, data)
 
-
-def _nanoseconds(wall: float) -> int:
-    """Return a wall time in [ns]."""
-    return max(0, int(wall * 1e9))
+    def _nanoseconds(self, now: float) -> int:
+        """Return the wall time of a time in the recording [ns]."""
+        return max(0, int((now + self._offset) * 1e9))
 
 
 def _told(event: Event, commands: Sequence[Command | dict[str, Any]], fault: str) -> dict[str, Any]:
