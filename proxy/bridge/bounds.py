@@ -32,6 +32,8 @@ class BridgeBounds:
     queries last."""
     jobs: int = 8192
     """Jobs that may wait for a serial executor."""
+    waiting_for_jobs: int = 3
+    """So many threads may wait for room in one. They are Zenoh's, which receives with twelve."""
 
     # Samples from the mesh
     received_keys: int = 1024
@@ -39,8 +41,8 @@ class BridgeBounds:
     received_samples: int = 512
     """Samples remembered of each of these keys: twice as many as a robot may keep for another one."""
     stamped_samples: int = 4096
-    """Samples of which it is remembered, until as many more came, that they left with our stamp. What comes around the
-    daemons does so in milliseconds."""
+    """Of so many samples, and of up to as many before them, it is remembered that they left with our stamp. What comes
+    around the daemons does so in milliseconds."""
     held_samples: int = 4096
     """Samples held back; where there are more, streams are not in order."""
     held_bytes: int = 16 * 1024 * 1024

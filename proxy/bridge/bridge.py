@@ -86,13 +86,13 @@ class Bridge:
         links = (
             self._links,
             self._app_links,
-            GoneRouters(sides.app, sides.apps, lambda: self._ingress.declared),
             Linger(sides.app),
             Linger(sides.mesh),
             sides.rediscovery,
             Silence(sides.mesh, longest_silence(config.mesh.zenoh)),
             self._half_open,
             hold_back,
+            GoneRouters(sides.app, sides.apps, lambda: self._ingress.declared),
         )
         self._mirroring = self._make_mirroring(sides, links, neighbours, fence)
 

@@ -44,7 +44,7 @@ class Courses:
         runtime = self._live.runtime
         of, before, courses = self._known
         if of is not runtime:
-            before, courses = of.specs, {}
+            before, courses = (before if of.specs is runtime.specs else of.specs), {}
             self._known = runtime, before, courses
         return courses.get(key) or self._work_out(key, runtime, before, courses)
 
@@ -73,6 +73,7 @@ class Courses:
             dropped = HEARTBEAT
         covering = runtime.specs.match(key) if verdict is Verdict.ORDINARY else None
         behind = before.match(key) if verdict is Verdict.ORDINARY else None
+        behind = None if behind is not None and behind.bypass else behind
         if covering is not None and covering.bypass:
             covering, verdict = None, Verdict.BYPASS
         numbered = self._sourced and not runtime.drops(covering)

@@ -57,10 +57,12 @@ class Mirror:
         }
         former = [self._declared.pop(key)[0] for key in altered]
         new = sorted(wanted.keys() - self._declared.keys() - self._refused)
-        for expression in new:
-            self._add(expression, wanted[expression])
-        for declared in former:  # only now: there is one all the time
-            declared.undeclare()
+        try:
+            for expression in new:
+                self._add(expression, wanted[expression])
+        finally:
+            for declared in former:  # only now: there is one all the time
+                declared.undeclare()
         now = clock.monotonic()
         if new:
             self._settled_at = now + self._grace

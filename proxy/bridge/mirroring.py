@@ -83,6 +83,8 @@ class Mirroring:
         self._fence = fence
         self._tokens_out = Mirror(_token(others.session))
         self._tokens_in = Mirror(_token(apps.session))
+        self._ended_out, self._ended_in = set[str](), set[str]()
+        """Tokens that ended since theirs were mirrored."""
         self._seen: dict[str, Mapping[str, bool]] = {}
         self._editions = (0, 0)
         self._stirred = True
@@ -190,7 +192,8 @@ class Mirroring:
     def _mirror(self) -> None:
         now = clock.monotonic()
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.
-        ended_in, ended_out = self._others.ended_tokens(), self._apps.ended_tokens()
+        self._ended_in |= self._others.ended_tokens()
+        self._ended_out |= self._apps.ended_tokens()
         alive_in = self._others.foreign_tokens(self._tokens_out.declared, now)
         alive_out = self._apps.foreign_tokens(self._tokens_in.declared, now)
         answered_in, answered_out = self._others.declared("queryable"), self._apps.declared("queryable")
@@ -199,10 +202,12 @@ class Mirroring:
             self._inward.update(self._rules.out.crossing("queryables", answered_out))
         if self._news("queryables in", answered_in):
             self._outward.update(self._rules.into.crossing("queryables", answered_in))
-        if self._news("tokens out", alive_out):
-            self._tokens_out.update(self._rules.tokens(self._rules.out, alive_out), ended_out)
-        if self._news("tokens in", alive_in):
-            self._tokens_in.update(self._rules.tokens(self._rules.into, alive_in), ended_in)
+        if self._news("tokens out", alive_out) or self._ended_out:
+            self._tokens_out.update(self._rules.tokens(self._rules.out, alive_out), self._ended_out)
+            self._ended_out = set()
+        if self._news("tokens in", alive_in) or self._ended_in:
+            self._tokens_in.update(self._rules.tokens(self._rules.into, alive_in), self._ended_in)
+            self._ended_in = set()
 
     def _news(self, name: str, told: Mapping[str, bool]) -> bool:
         """Whether something else of `name` is declared than at the last look."""
@@ -226,6 +231,8 @@ class Mirroring:
         self._deliver({})
         self._ingress.update(())
         self._stirred = False
+        for side in (self._apps, self._others):
+            side.ended_tokens()  # mirrored nowhere
         for mirror in (self._inward, self._outward, self._tokens_out, self._tokens_in):
             mirror.update({})
         self._seen.clear()

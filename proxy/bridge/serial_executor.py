@@ -26,6 +26,8 @@ class SerialExecutor:
         self._open = True
         self._done, self._stuck_at = 0, -1
         """How many jobs were done, and how many when somebody waited for one in vain."""
+        self._waiting = 0
+        """Threads that wait for room."""
         self.refused = 0
         self._name = name
         self._thread: threading.Thread | None = None
@@ -41,13 +43,18 @@ class SerialExecutor:
     def await_room(self, patience: float) -> None:
         """Wait until fewer jobs wait, but no longer than so [s]: for who brings more than can be done, and may wait.
 
-        Where that was in vain nobody waits again until something was done: that thread is stuck.
+        Where that was in vain nobody waits again until something was done: that thread is stuck. Nor does anybody wait
+        where too many do.
         """
         if len(self._jobs) < self._most or self._done == self._stuck_at:
             return
         with self._room:
+            if self._waiting >= BOUNDS.waiting_for_jobs:
+                return
+            self._waiting += 1
             if not self._room.wait_for(lambda: len(self._jobs) < self._most or not self._open, patience):
                 self._stuck_at = self._done
+            self._waiting -= 1
 
     def insist(self, job: Callable[[], object]) -> None:
         """Do `job` when its turn comes, however many wait."""

@@ -3,6 +3,8 @@
 The stamp alone does not tell: applications publish with the timestamp of what they heard, too, under another key.
 """
 
+import threading
+
 import zenoh
 
 from proxy.bridge.bounds import BOUNDS
@@ -12,6 +14,7 @@ class Stamped:
     """Remembers keys and timestamps. From any thread."""
 
     def __init__(self) -> None:
+        self._lock = threading.Lock()
         self._newer: set[tuple[str, zenoh.Timestamp]] = set()
         self._older: set[tuple[str, zenoh.Timestamp]] = set()
 
@@ -20,7 +23,9 @@ class Stamped:
         newer = self._newer
         newer.add((key, stamp))
         if len(newer) >= BOUNDS.stamped_samples:
-            self._older, self._newer = newer, set()
+            with self._lock:
+                if newer is self._newer:
+                    self._older, self._newer = newer, set()
 
     def holds(self, key: str, stamp: zenoh.Timestamp) -> bool:
         """Whether a sample of `key` left with this stamp."""

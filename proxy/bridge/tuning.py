@@ -96,6 +96,8 @@ class BridgeTuning:
     """The rest takes no longer than this [s]."""
     router_forgotten: float = 0.5
     """A router whose link ended is forgotten by Zenoh this soon, with all that was behind it [s]."""
+    gone_looked_for: float = 10.0
+    """Time between two looks for what was behind it [s]; one takes a tenth of a second for 1,000 subscriptions."""
     grace: float = 0.1
     """What may be replaced by something new stays for so long: longer than a callback of Zenoh's waits to run [s]."""
 

@@ -6,10 +6,10 @@ from typing import Any, Literal
 import zenoh
 
 from proxy.bridge.declarations.echoes import Echoes
+from proxy.bridge.declarations.gone import gone
 from proxy.bridge.declarations.mirror_session import MirrorSession
 from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
 from proxy.bridge.declarations.query_options import QueryOptions, options_of
-from proxy.bridge.declarations.survivors import gone
 from proxy.bridge.declarations.table import DeclarationTable
 from proxy.bridge.declarations.wire import Kind
 from proxy.bridge.declarations.witnesses import Witnesses
@@ -87,9 +87,10 @@ class Declarations:
         """Forget what was behind a router that is gone; `own` is what the main session subscribes to."""
         kinds: tuple[Kind, ...] = ("subscriber", "queryable", "token")
         for kind in kinds:
-            told = self.declared(kind).keys() - (own if kind == "subscriber" else ())
-            if found := gone(self._main, kind, told):
-                self._table.remove(kind, found)
+            told = self._table.entries(kind)
+            expressions = {entry[0] for entry in told.values()} - set(own if kind == "subscriber" else ())
+            if found := gone(self._main, kind, expressions):
+                self._table.remove(kind, {name: entry for name, entry in told.items() if entry[0] in found})
 
     def ask_witnesses(self) -> bool:
         """Whether somebody subscribes by now to what only we did: the wire tells that a moment later."""

@@ -4,7 +4,7 @@ import logging
 import math
 import threading
 from collections import Counter, OrderedDict, deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 
 from proxy import clock
 from proxy.bridge.declarations.cursor import WireError
@@ -61,11 +61,17 @@ class DeclarationTable:
                     found[expression] = complete or found.get(expression, False)
             return found
 
-    def remove(self, kind: Kind, expressions: Collection[str]) -> None:
-        """Take out what is not declared any more, though nobody said so."""
+    def entries(self, kind: Kind) -> Mapping[int | str, tuple[str, bool]]:
+        """Return what is declared now: key expressions, and whether they are complete, by what names each."""
         with self._lock:
-            for name in [name for name, (expression, _) in self._entries[kind].items() if expression in expressions]:
-                self._forget(kind, name)
+            return dict(self._entries[kind])
+
+    def remove(self, kind: Kind, gone: Mapping[int | str, tuple[str, bool]]) -> None:
+        """Take out of these entries what nobody declared anew meanwhile: they are gone, though nobody said so."""
+        with self._lock:
+            for name, entry in gone.items():
+                if self._entries[kind].get(name) is entry:
+                    self._forget(kind, name)
             self._change(kind)
         self._changed()
 
@@ -133,11 +139,11 @@ class DeclarationTable:
                     self._change(message.kind)
 
     def _add(self, kind: Kind, name: int | str, entry: tuple[str, bool]) -> None:
-        """Put an entry in; it may be there."""
+        """Put an entry in; an equal one may be there."""
         if self._entries[kind].get(name) != entry:
             self._forget(kind, name)
-            self._entries[kind][name] = entry
             self._alive[entry[0]] += kind == "token"
+        self._entries[kind][name] = entry
 
     def _forget(self, kind: Kind, name: int | str) -> bool:
         """Take an entry out; whether there was one."""

@@ -64,6 +64,9 @@ def test_what_covered_a_key_is_known_until_the_next_change(courses, live):
     live.swap(Specs.empty())
     for key, behind in (("rest", covering), ("alarm", None), ("secret", None)):
         assert (courses.of(key).covering, courses.of(key).behind) == (None, behind)
+    assert courses.of("urgent/a").behind is None, "it never waited"
+    live.switch(Mode.SHADOW)
+    assert courses.of("rest").behind is covering, "these specs were before those in force"
     live.swap(Specs.empty())
     assert courses.of("rest").behind is None
 

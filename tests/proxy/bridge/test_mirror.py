@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import pytest
 import zenoh
 
 from proxy.bridge import mirror as mirror_module
@@ -20,6 +21,8 @@ class Made:
     def __call__(self, expression, complete):
         if expression == "refused":
             raise zenoh.ZError("no")
+        if expression == "breaks":
+            raise RuntimeError
         made = self
 
         class One:
@@ -54,6 +57,16 @@ def test_a_changed_completeness_is_declared_anew():
     assert mirror.update({"a": True})
     assert made.now == [("a", True)]
     assert made.before == [[("a", False), ("a", True)]], "the new one is there before the old one goes"
+
+
+def test_what_is_replaced_goes_also_where_others_cannot_be_declared():
+    """Nothing of it is left behind."""
+    made = Made()
+    mirror = Mirror(made)
+    mirror.update({"a": False})
+    with pytest.raises(RuntimeError):
+        mirror.update({"a": True, "breaks": False})
+    assert made.now == [("a", True)]
 
 
 def test_what_ended_and_is_wanted_again_ends_here_too():

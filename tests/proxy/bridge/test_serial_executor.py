@@ -1,11 +1,15 @@
 """Small jobs, in order, on a thread of their own."""
 
 import threading
+from dataclasses import replace
 
 import pytest
 import zenoh
 
+from proxy.bridge import serial_executor as executor_module
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.serial_executor import SerialExecutor
+from tests.waiting import wait_until
 
 
 @pytest.fixture
@@ -100,6 +104,20 @@ def test_who_may_wait_waits_until_fewer_jobs_do(stack):
     assert done.wait(60.0)
     waiting.join(60.0)
     assert executor.refused == 0
+
+
+def test_few_wait_at_a_time(stack, monkeypatch):
+    """Others are let go on at once: the threads that wait are Zenoh's."""
+    monkeypatch.setattr(executor_module, "BOUNDS", replace(BOUNDS, waiting_for_jobs=1))
+    executor, go = held(stack)
+    executor.offer(lambda: None)
+    waiting = threading.Thread(target=executor.await_room, args=(60.0,))
+    waiting.start()
+    wait_until(lambda: executor._waiting == 1, what="one that waits")
+    executor.await_room(1e6)
+    go.set()
+    waiting.join(60.0)
+    assert executor._waiting == 0
 
 
 def test_nobody_waits_twice_for_a_thread_that_is_stuck(stack):

@@ -83,6 +83,17 @@ def test_tokens_that_ended_are_told_once(table):
     assert table.ended_tokens() == {"a"}
 
 
+def test_what_is_gone_is_taken_out_unless_it_was_declared_anew(table, changes):
+    """Meanwhile, with the same name: routers number nothing."""
+    table.read(frame(declared(0x02, 5, 0, "a"), declared(0x02, 6, 0, "b"), declared(0x02, 7, 0, "c")), inward=True)
+    told = table.entries("subscriber")
+    table.read(frame(declared(0x02, 6, 0, "b")), inward=True)
+    before = len(changes)
+    table.remove("subscriber", {name: entry for name, entry in told.items() if entry[0] != "c"})
+    assert table.declared("subscriber") == {"b": False, "c": False}
+    assert len(changes) > before
+
+
 def test_own_and_admin_keys_are_left_out(table):
     """What never crosses is not told."""
     hidden = ("@/x/router/**", "@sendworthy/r1/status")
