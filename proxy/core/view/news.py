@@ -81,29 +81,23 @@ class News:
         last = Generated(t_gen, news.size, news.scale, features)
         stream.note_generated(news.generated, last, told=rhythm)
         t_sent = peer.offset.ours(news.t_forwarded)
-        if stream.overheard:
-            heard = stream.sent is not None and t_sent < stream.sent.t_sent + TUNING.same_sample
-            stream.number(news.forwarded, heard=heard)
+        heard = stream.sent is not None and t_sent < stream.sent.t_sent + TUNING.same_sample
+        stream.number(now, news.forwarded, heard=heard)
         if news.forwarded > stream.forwarded:
             self._traffic.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
 
     def _stream_of(self, now: float, robot: str, key: str, news: StreamDigest) -> Stream | None:
         """Return the stream that news is of; None where it does not count.
 
-        News that counts less than what is known contradicts it, and does not count at first. Where nothing else has
-        been told for a while what is known was forged, and the stream begins anew.
+        News of fewer samples that were generated than are known contradicts that, and does not count at first. Where
+        nothing else has been told for a while what is known was forged, and the stream begins anew.
         """
         known = self._streams.known(robot, key)
-        if known is not None and _contradicts(known, news):
+        if known is not None and news.generated < known.generated:
             if now < known.touched + TUNING.implausible_for:
                 return None
             self._streams.forget(known)
         return self._streams.touch(now, robot, key, news.id)
-
-
-def _contradicts(stream: Stream, news: StreamDigest) -> bool:
-    """Whether news counts less than what is known of its stream. Of what was overheard a few may count too often."""
-    return news.generated < stream.generated or news.forwarded < stream.forwarded - TUNING.heard_ahead
 
 
 def _completed(stream: Stream, news: StreamDigest, told: StreamState | None) -> StreamDigest:

@@ -120,6 +120,8 @@ class Stream:
     """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
     changes: int = 0
     """How often anything was noted of the stream, its schedule or who has it, or it was covered anew."""
+    _ahead_since: float = math.inf
+    """Since when its robot has told of fewer samples that it sent than we know of [s]."""
     _outlook: Outlook | None = None
     _steady: bool = True
     _expected: dict[int, Generated] = field(default_factory=dict)
@@ -220,13 +222,18 @@ class Stream:
         self.sent = sent
         return noted
 
-    def number(self, count: int, *, heard: bool) -> None:
-        """Its robot tells for the first time how many samples it sent; the last one may have been `heard` from the air.
+    def number(self, now: float, count: int, *, heard: bool) -> None:
+        """Its robot tells how many samples it sent; the last one may have been `heard` from the air.
 
-        Samples that were sent before we overheard any do not count.
+        Where that is told for the first time what was sent before we overheard any does not count. Where it stays less
+        than we know of, what we know was forged, or its robot passed samples without counting them: it knows better.
         """
-        self.overheard = False
-        self.forwarded = max(self.forwarded, count if heard else count - 1)
+        if self.overheard:
+            self.overheard = False
+            self.forwarded = max(self.forwarded, count if heard else count - 1)
+        self._ahead_since = min(self._ahead_since, now) if count < self.forwarded else math.inf
+        if now >= self._ahead_since + TUNING.implausible_for:
+            self.forwarded, self._ahead_since = count, math.inf
 
     def hear_told(self) -> None:
         """The last sample that was sent is heard, of which it was known: the next one that is heard is another one."""

@@ -54,8 +54,6 @@ class ViewTuning:
     implausible_for: float = 10.0
     """What does not follow from a robot's last digest is refused for so long after that; then it counts as that of a
     robot that starts anew, and so does what counts less of a stream than was told before [s]."""
-    heard_ahead: int = 32
-    """So many more samples of a stream may have been overheard than its robot tells of; in simulation it is never 4."""
     digest_delay: float = 30.0
     """A digest may come this much sooner after the one before than it was sent [s]."""
     digest_ahead: float = 1.0

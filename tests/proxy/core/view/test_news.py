@@ -180,3 +180,33 @@ def test_what_was_overheard_twice_makes_no_stream_anew(view):
         view.heard_digest(2.0 + k, digest(2.0 + k, StreamDigest(7, 2 + k, 2, 2.0 + k, 1.9, 10, 1.0)))
     assert view.streams.known("r2", CAMERA) is stream
     assert stream.generated == 21
+
+
+def test_of_a_robot_that_passed_samples_all_else_counts_at_once(view):
+    """We heard those, and it does not count them: how many it sent holds by and by, and what it sends then counts."""
+    meet(view, origins=("r2-zid",))
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0)))
+    for k in range(80):
+        view.overhearing.take(SampleHeard(1.5 + 0.1 * k, CAMERA, 10, "r2-zid", None, None))
+    stream = view.streams.known("r2", CAMERA)
+    ahead = []
+    for k in range(2, round(TUNING.implausible_for) + 4):
+        at = 10.0 + k
+        view.heard_digest(at, digest(at, StreamDigest(7, k, k, at, at, 10, float(k))))
+        assert (stream.generated, stream.last.scale) == (k, float(k))
+        ahead.append(stream.forwarded - k)
+    assert min(ahead[: round(TUNING.implausible_for)]) > 0
+    assert ahead[-2:] == [0, 0]
+    assert stream.sent.t_sent == pytest.approx(at)
+
+
+def test_samples_that_come_before_their_digest_count_once(view):
+    """However often: each digest that tells of as many as came agrees with us."""
+    meet(view, origins=("r2-zid",))
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0)))
+    for k in range(2, 40):
+        view.overhearing.take(SampleHeard(float(k), CAMERA, 10, "r2-zid", None, None))
+        view.heard_digest(k + 0.1, digest(k + 0.1, StreamDigest(7, k, k - 1, float(k), k - 1.0, 10, 1.0)))
+        view.heard_digest(k + 0.2, digest(k + 0.2, StreamDigest(7, k, k, float(k), float(k), 10, 1.0)))
+    assert view.streams.known("r2", CAMERA).forwarded == 39
+    assert len(view.traffic.sends) == 39
