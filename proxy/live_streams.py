@@ -20,6 +20,7 @@ REASONS: Mapping[str, str] = {
     "dropped:superseded": "a newer one came before its turn",
     "dropped:overflow": "too many waited",
     "dropped:full": "too many waited for the mesh",
+    "dropped:too-large": "it is larger than a message may be",
     "dropped:egress": "the mesh session did not take it",
     "passed:fallback": "the planner failed",
 }

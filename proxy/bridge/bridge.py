@@ -26,6 +26,7 @@ from proxy.bridge.queries import Queries
 from proxy.bridge.room import rooms
 from proxy.bridge.rules import Rules
 from proxy.bridge.serial_executor import SerialExecutor
+from proxy.bridge.sessions import largest_payload
 from proxy.bridge.sides import Sides
 from proxy.bridge.silence import Silence, longest_silence
 from proxy.config import Config
@@ -76,7 +77,8 @@ class Bridge:
         self._passed = Passed()
         self.demand = _demand(config, sides, core)
         self._egress = Egress(sides.data, self.demand, self._passed, core.post, live.runtime.pace, rooms=self.rooms)
-        self._ingress = self._make_ingress(sides)
+        self._broadcast = (sides.data,) if isinstance(sides.data, Broadcast) else ()
+        self._ingress = self._make_ingress(sides, largest_payload(config.mesh.zenoh))
         self._delivery = self._make_delivery(sides, hold_back, sourced=sourced)
         fence = Fence(sides.wake.set)
         self._outward, self._inward = self._make_queries(sides, fence, sourced=sourced)
@@ -96,7 +98,7 @@ class Bridge:
         )
         self._mirroring = self._make_mirroring(sides, links, neighbours, fence)
 
-    def _make_ingress(self, sides: Sides) -> Ingress:
+    def _make_ingress(self, sides: Sides, largest: int) -> Ingress:
         return Ingress(
             app=sides.app,
             mesh=sides.mesh,
@@ -108,6 +110,7 @@ class Bridge:
             submit=self._core.submit,
             payloads=self.payloads,
             room=self.rooms.covered,
+            largest=largest,
         )
 
     def _make_delivery(self, sides: Sides, hold_back: HoldBack, *, sourced: bool) -> Delivery:
@@ -234,7 +237,7 @@ class Bridge:
 
     def warnings(self) -> list[str]:
         """Name what is dialled and not linked, and what is declared and not mirrored."""
-        found = (self._links, self._app_links, self._rules, self._mirroring)
+        found = (self._links, self._app_links, self._rules, self._mirroring, *self._broadcast)
         return [warning for each in found for warning in each.warnings()]
 
 

@@ -22,6 +22,7 @@ import zenoh
 from proxy import clock
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.group_socket import is_open, sockets_on
 from proxy.bridge.keys import ALL_DIGESTS, ANNOUNCED, INGRESS, on_air
 from proxy.bridge.keys import PREFIX as OWN
 from proxy.bridge.radio import interface_of
@@ -70,7 +71,9 @@ class Broadcast:
         self._hear: Hear = lambda _key, _sample: None
         self._attend: Hear | None = None
         self._subscribers: list[Declaration] = []
-        self._reopened = 0
+        self._reopened, self._deafened = 0, 0
+        self._sockets: frozenset[tuple[int, int]] = frozenset()
+        """Those in which the session hears the group."""
         self._session = self._opened()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="broadcast", daemon=True)
@@ -114,6 +117,13 @@ class Broadcast:
         self._thread.join()
         _close(self._session)
 
+    def warnings(self) -> list[str]:
+        """Say that others than robots use the group."""
+        if not self._deafened:
+            return []
+        times = f"{self._deafened} times samples were missed for a moment"
+        return [f"what is no robot sends to mesh.group {self._group}: {times}; keep other programs out of it"]
+
     def describe(self) -> dict[str, Any]:
         """Return what the status says: where, how many robots are heard there, how often it had to be opened anew."""
         return {
@@ -124,12 +134,14 @@ class Broadcast:
         }
 
     def _opened(self) -> zenoh.Session:
+        before = sockets_on(self._group)
         try:
             options = broadcast_options(self._group, interface_of(self._interface))
             session = zenoh_session(options)
         except zenoh.ZError as error:
             where = f"mesh.interface {self._interface}, mesh.group {self._group}"
             raise SessionError(f"{where}: cannot broadcast: {reason_of(error).rpartition('[')[2]}") from error
+        self._sockets = sockets_on(self._group) - before
         self._subscribe(session)
         return session
 
@@ -157,21 +169,26 @@ class Broadcast:
         """Look whether anybody is heard; a dead session hears nobody."""
         patience, since = TUNING.group_silent, clock.monotonic()
         while not self._stop.wait(TUNING.group_check):
-            if _heard(self._session) or not self._others():
+            if not all(is_open(*each) for each in self._sockets):
+                self._deafened += 1
+                self._reopen("something that is no Zenoh message came, and Zenoh heard nothing more")
+                patience, since = TUNING.group_silent, clock.monotonic()
+            elif _heard(self._session) or not self._others():
                 patience, since = TUNING.group_silent, clock.monotonic()
             elif clock.monotonic() - since > patience:
-                self._reopen()
+                self._reopen("nobody was heard")
                 patience, since = min(2.0 * patience, TUNING.longest_group_silent), clock.monotonic()
 
-    def _reopen(self) -> None:
+    def _reopen(self, reason: str) -> None:
         try:
             session = self._opened()
         except SessionError as error:
             log.warning("%s", error)
+            self._sockets = frozenset()  # tried again as whoever hears nobody does
             return
         old, self._session = self._session, session
         self._reopened += 1
-        log.info("nobody was heard on %s: joined the group anew", self._group)
+        log.info("%s on %s: joined the group anew", reason, self._group)
         _close(old)
 
 

@@ -18,7 +18,7 @@ from proxy.bridge.deduplication import Deduplication, of_sample
 from proxy.bridge.demand import Demand
 from proxy.bridge.egress import Egress
 from proxy.bridge.mirror import Mirror
-from proxy.bridge.passed import DENIED, OVERFLOW, Passed
+from proxy.bridge.passed import DENIED, OVERFLOW, TOO_LARGE, Passed
 from proxy.bridge.payloads import Payloads
 from proxy.bridge.room import Room
 from proxy.bridge.rules import Rules
@@ -47,8 +47,8 @@ class Submit(Protocol):
 class Ingress:
     """Subscribes on the app side to what the mesh wants and sorts it: the core gets what is covered, the rest passes.
 
-    Covered samples wait among the `payloads`, as far as there is `room`. `submit` gets them for the core, with the type
-    that covers them.
+    No payload is larger than `largest` [B]. Covered samples wait among the `payloads`, as far as there is `room`.
+    `submit` gets them for the core, with the type that covers them.
     """
 
     def __init__(
@@ -64,6 +64,7 @@ class Ingress:
         submit: Submit,
         payloads: Payloads,
         room: Room,
+        largest: int,
     ) -> None:
         self._aside = False
         """Whether another daemon takes care of our apps: then everything is left to it."""
@@ -77,6 +78,7 @@ class Ingress:
         self._submit = submit
         self._payloads = payloads
         self._room = room
+        self._largest = largest
         self._cover = Cover()
         self._deduplication = Deduplication(of_sample)
         self._mirror = Mirror(self._subscribe, TUNING.grace)
@@ -130,14 +132,16 @@ class Ingress:
             self.returned += 1
             return
         course = self._courses.of(key)
-        if course.dropped is not None:
-            self._drop(course.dropped)
+        size = len(sample.payload)
+        reason = TOO_LARGE if size > self._largest else course.dropped
+        if reason is not None:
+            self._drop(reason)
             return
         source = sample.source_info if course.numbered else None
         stamp = stamp or self._mesh.new_timestamp()
         if origin is None or origin == self._own:
             self._stamped.note(key, stamp)
-        held = Held(sample, stamp, key, len(sample.payload), source)
+        held = Held(sample, stamp, key, size, source)
         self._demand.note(key, sample, covered=course.covering is not None)
         # Behind what waits for a decision: that had no turn yet when the mode became `pass`, or specs dropped the key.
         if course.passes is not None and (course.behind is None or not self._payloads.holds(key)):

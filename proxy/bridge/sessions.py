@@ -113,12 +113,19 @@ def mesh_options(
             "link": {
                 **_protocols([*listen, *connect]),
                 "tx": {**_lease([*listen, *connect], zenoh_options), "batch_size": TUNING.batch, "queue": QUEUES},
+                "rx": {"max_message_size": TUNING.largest_message},
                 # For links that scouting finds; endpoints carry their own.
                 "tcp": {"so_sndbuf": TUNING.socket_buffer, "so_rcvbuf": TUNING.socket_buffer},
             },
         },
     }
     return merged(options, zenoh_options)
+
+
+def largest_payload(zenoh_options: Mapping[str, Any]) -> int:
+    """Return how large a payload may be to cross the mesh [B]; who configures Zenoh's largest message means that."""
+    received = zenoh_options.get("transport", {}).get("link", {}).get("rx", {})
+    return int(received.get("max_message_size", TUNING.largest_message)) - TUNING.around_payload
 
 
 def mirror_options(mode: str, endpoint: str, zenoh_options: Mapping[str, Any]) -> dict[str, Any]:

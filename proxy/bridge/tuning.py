@@ -17,6 +17,11 @@ class BridgeTuning:
     pieces_waiting: int = 8
     """Pieces that wait in each of Zenoh's queues for samples, on the mesh and for an app. Of bursts of 5,000 samples of
     1 kB that nobody has to wait for an app's link lost 2 % with Zenoh's two pieces of 64 kB, nothing with eight."""
+    largest_message: int = 64 * 1024 * 1024
+    """Zenoh puts no larger message together on the mesh [B], before anybody looks at what it is: with its own 1 GiB one
+    message of a stranger took a robot's memory. A larger sample stays on its robot, and is counted."""
+    around_payload: int = 131_072
+    """What a message may have beside its payload: a key, an encoding, an attachment [B]."""
     full_link_wait: int = 1000
     """A publication waits this long for a full link before its sample is dropped there [µs]."""
     full_link_wait_pieces: int = 50_000
@@ -72,8 +77,8 @@ class BridgeTuning:
     # The group on which robots broadcast
     join_interval: int = 1000
     """A robot says this often that it is on the group [ms]: a newcomer is heard this late at most. Costs 135 B/s."""
-    group_check: float = 0.5
-    """Time between two looks at who is heard [s]."""
+    group_check: float = 0.1
+    """Time between two looks at who is heard, and whether anybody can be [s]."""
     group_silent: float = 2.5
     """The session is opened anew when nobody is heard for so long although there are others [s]; then after twice as
     long, and so on."""

@@ -30,6 +30,7 @@ REASONS = Glossary(
         "dropped:superseded": "a newer one of its stream came before its turn",
         "dropped:overflow": "too many waited to be decided",
         "dropped:full": "too many waited for the mesh",
+        "dropped:too-large": "it is larger than a message may be on the mesh",
         "dropped:egress": "the mesh session did not take it",
         "dropped:denied": "the configuration keeps it on this robot",
         "dropped:heartbeat": "it only says that its publisher is alive, which the mesh knows anyway",

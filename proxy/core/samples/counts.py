@@ -102,6 +102,7 @@ class Counts:
 REASONS = {
     "dropped:overflow": "too many waited to be decided",
     "dropped:full": "too many waited for the mesh",
+    "dropped:too-large": "they are larger than a message may be on the mesh",
     "dropped:egress": "the mesh session did not take them",
 }
 

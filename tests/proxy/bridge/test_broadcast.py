@@ -1,6 +1,7 @@
 """Samples that are broadcast, on the loopback interface: it carries multicast to other sessions of the host."""
 
 import json
+import socket
 from dataclasses import replace
 from itertools import pairwise
 
@@ -56,7 +57,7 @@ def test_digests_are_heard_where_somebody_attends_to_them(stack, group):
     wait_until(say, what="a digest")
     assert set(told) == {(key, "digest")}
     assert heard == []
-    made._reopen()
+    made._reopen("nobody was heard")
     told.clear()
     wait_until(say, what="a digest after the session was opened anew")
 
@@ -202,6 +203,26 @@ def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(st
     assert f"nobody was heard on {group}: joined the group anew" in caplog.text
     wait_until(lambda: second.put("k", "x") or heard, what="a sample")
     assert heard[0] == ("k", "x")
+
+
+def test_what_is_no_message_of_zenoh_deafens_a_robot_for_a_moment_only(stack, group, caplog):
+    """Zenoh hears nothing more after it: the session is opened anew at once, however often, and that is a warning."""
+    caplog.set_level("INFO")
+    first, heard = opened(stack, group, others=True)
+    second, _ = opened(stack, group)
+    wait_until(lambda: second.describe()["heard"] == first.describe()["heard"] == 1, what="each other")
+    assert first.warnings() == []
+    address, port = group.split(":")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stray:
+        stray.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+        for times in (1, 2):
+            stray.sendto(b"x", (address, int(port)))
+            wait_until(lambda times=times: first.describe()["reopened"] == times, what="a session that hears")
+    (warning,) = first.warnings()
+    assert f"what is no robot sends to mesh.group {group}: 2 times" in warning
+    heard.clear()
+    wait_until(lambda: second.put("k", "x") or heard, what="a sample")
+    assert "nobody was heard" not in caplog.text
 
 
 def test_options_have_lanes_for_priorities_and_nothing_but_the_group():

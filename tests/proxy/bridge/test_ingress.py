@@ -7,7 +7,10 @@ import zenoh
 
 from proxy.bridge import courses
 from proxy.bridge.egress import Egress
+from proxy.bridge.passed import TOO_LARGE
 from proxy.bridge.room import Room
+from proxy.bridge.sessions import largest_payload
+from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import SamplesPassed
 from proxy.core.model.mode import Mode
 from tests.proxy.bridge.robots import fence_apps, team, wait_interest
@@ -195,6 +198,21 @@ def test_what_left_for_the_mesh_and_came_back_around_the_daemons_stays(pair):
     wait_until(lambda: len(pair[0].asked) == 2, what="the new one")
     assert [sample.key for sample in pair[0].asked] == ["covered/a", "covered/b"]
     assert pair[0].bridge.describe()["returned"] == 2
+
+
+def test_what_others_could_not_put_together_stays_and_is_counted(stack, tmp_path):
+    """A message may be as large as Zenoh is told: by default 64 MB, so that a stranger's does not take all memory."""
+    largest = {"transport": {"link": {"rx": {"max_message_size": TUNING.around_payload + 50_000}}}}
+    pair = team(stack, tmp_path, size=2, zenoh=largest)
+    heard = Heard(pair[1].node(), "free/**")
+    wait_interest(pair[1], pair[0], keys=("free/**",))
+    app, block = pair[0].node(), zenoh.CongestionControl.BLOCK
+    for size in (50_001, 50_000):
+        app.put("free/a", bytes(size), congestion_control=block)
+    wait_until(lambda: heard.samples, what="the one that can cross")
+    assert [len(sample.payload) for sample in heard.samples] == [50_000]
+    wait_until(lambda: any(each.reason == TOO_LARGE for each in pair[0].posted(SamplesPassed)), what="the count")
+    assert largest_payload({}) == TUNING.largest_message - TUNING.around_payload
 
 
 OWN_RULES = """
