@@ -143,7 +143,9 @@ class _Tabulation:
             part, open_ended = custom.tabulate(self._problem, stream, levels, until)
         except PlannerError:
             raise
-        except (Exception, SystemExit) as error:  # states of the caller's may fail when they are compared
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # states of the caller's may fail when they are compared
             raise ProblemError(f"stream {stream}: its states failed: {type(error).__name__}: {error}") from error
         if open_ended is not None:
             self._open_ended[stream] = open_ended

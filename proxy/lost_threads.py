@@ -1,4 +1,4 @@
-"""A thread of the daemon that an error ended: without it the daemon only seems to run, so it ends, to be started anew.
+"""A thread of the daemon that an error ended: where the daemon cannot do without it, it ends, to be started anew.
 
 What our own threads do fails where Zenoh has panicked: its routes are lost for good then, and only a new process helps.
 """
@@ -11,7 +11,7 @@ from types import TracebackType
 
 log = logging.getLogger(__name__)
 
-SPARED = frozenset({"metrics", "prepare", "profiler", "recorder"})
+SPARED = frozenset({"costly features", "lookout", "metrics", "prepare", "profiler", "recorder"})
 """Without these threads samples cross as before."""
 
 
@@ -33,7 +33,7 @@ class LostThreads:
         log.critical(
             "the thread %s ended with an error; %s",
             name,
-            "what it does is not done any more" if spared else "the daemon ends: without it nothing would cross",
+            "what it does is not done any more" if spared else "the daemon ends: it cannot do without it",
             exc_info=_error(lost),
         )
         if not (spared or self.any):

@@ -36,7 +36,9 @@ class Decision:
             search = self._search = self._search or self._started()
             if self._ends(search, until):
                 self.answer = self._made(search)
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever fails in there, the core must learn of it and fall back
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # noqa: BLE001 - whatever fails in there, the core must learn of it and fall back
             text = f"{type(error).__name__}: {error}"
             self.answer = DecisionReady(clock.monotonic(), self.command.ticket, None, text)
         return self.answer

@@ -32,7 +32,9 @@ class PythonAggregation(BaseModel):
         """The one instance of the class; raises ProblemError when that fails or has not all methods."""
         try:
             made = imported(self.python, "class")()
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             raise ProblemError(f"{self.python}() failed: {type(error).__name__}: {error}") from error
         lacking = [f"{name}()" for name in METHODS if not callable(getattr(made, name, None))]
         if lacking:

@@ -227,7 +227,9 @@ def _feature(of: InformationType, name: str, feature: Feature, sample: Sample) -
     first = isinstance(feature, Change) and not feature.compares(sample.key)
     try:
         value = float(feature.measure(sample))
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - payloads are broken in every way
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001 - payloads are broken in every way
         return FeatureValue(name, feature.default, reason_of(error, feature, sample), used)
     if not isfinite(value):
         return FeatureValue(name, feature.default, f"{value} is no finite number", used)

@@ -93,7 +93,9 @@ class PythonMethod:
         """Return what the function returns; raises ProblemError when that is no finite number."""
         try:
             value = float(self.function(list(times), list(values), t))
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             raise ProblemError(f"{self.path} failed: {type(error).__name__}: {error}") from error
         if not isfinite(value):
             raise ProblemError(f"{self.path} returned {value}, which is not finite")

@@ -36,7 +36,9 @@ def imported(path: str, what: str = "function") -> Callable[..., Any]:
     where, name = path.split(":")
     try:
         module = importlib.import_module(where)
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - a module may fail in any way
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001 - a module may fail in any way
         cause = " ".join(f"{type(error).__name__}: {error}".split())
         raise ValueError(f"cannot import {quoted(where)}: {cause}") from None
     if not hasattr(module, name):

@@ -75,7 +75,9 @@ class PythonRule:
         """
         try:
             answer = sorted(map(float, self.function(list(times), until)))
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             raise ProblemError(f"{self.path} failed: {type(error).__name__}: {error}") from error
         if not all(map(math.isfinite, answer)):
             raise ProblemError(f"{self.path} returned a time that is not finite")

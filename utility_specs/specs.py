@@ -252,7 +252,9 @@ class InformationType:
     def _measured(self, name: str, feature: Feature, sample: Sample) -> float:
         try:
             value = float(feature.measure(sample))
-        except (Exception, SystemExit):  # noqa: BLE001 - the data path survives any payload and any feature
+        except KeyboardInterrupt:
+            raise
+        except BaseException:  # noqa: BLE001 - the data path survives any payload and any feature
             value = math.nan
         if math.isfinite(value):
             return value

@@ -186,13 +186,17 @@ class Guarded:
     def _call(self, name: str, call: Callable[[], Result]) -> Result:
         try:
             return call()
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             raise ProblemError(f"{self._name(name)} failed: {type(error).__name__}: {error}") from error
 
     def _hashable(self, name: str, state: Hashable) -> Hashable:
         try:
             hash(state)
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             kind = type(state).__name__
             raise ProblemError(f"{self._name(name)} returned a {kind}: states must be hashable") from error
         return state

@@ -74,7 +74,9 @@ class Custom:
         try:
             with np.errstate(all="ignore"):
                 returned = self.function(ages.copy(), dict(self.features))
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             raise self._problem(f"raises {type(error).__name__}: {error}") from error
         if not isinstance(returned, np.ndarray):
             raise self._problem(f"returns a {type(returned).__name__}, not an array with a value for every age")

@@ -1,8 +1,13 @@
 """Daemons of which a thread ends with an error."""
 
+import os
+import signal
+import threading
+
 import pytest
 
 from proxy import exit_codes
+from proxy.lost_threads import LostThreads
 from tests.daemons import Running
 from tests.ports import free_port
 
@@ -44,3 +49,28 @@ def test_without_one_that_only_watches_it_goes_on():
     assert "is not done any more" in said
     assert daemon.status()["robot"]
     assert daemon.end() == exit_codes.OK
+
+
+@pytest.mark.parametrize(("name", "needed"), [("control", True), ("costly features", False), ("lookout", False)])
+def test_the_daemon_ends_where_it_cannot_do_without_the_thread(name, needed, monkeypatch, caplog):
+    """Old values of features hold, and nobody looks for who else answers; an operator has to be answered."""
+    ended = []
+    monkeypatch.setattr(os, "kill", lambda _pid, number: ended.append(number))
+
+    def fail():
+        raise Panic
+
+    lost = LostThreads()
+    try:
+        thread = threading.Thread(target=fail, name=name)
+        thread.start()
+        thread.join()
+    finally:
+        lost.close()
+    assert lost.any == needed
+    assert ended == [signal.SIGTERM] * needed
+    assert ("it cannot do without it" in caplog.text) == needed
+
+
+class Panic(BaseException):
+    """What a panic of Zenoh is in Python: no Exception."""

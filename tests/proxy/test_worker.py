@@ -2,8 +2,8 @@
 
 import dataclasses
 import queue
-import sys
 import threading
+from asyncio import CancelledError
 
 import pytest
 
@@ -72,19 +72,20 @@ def test_a_planner_that_fails_is_told_as_such(command):
     assert ready.error.startswith("ProblemError: ")
 
 
-def test_a_search_that_would_end_its_thread_has_failed(command):
-    """A utility that calls exit is told like any other failure."""
+@pytest.mark.parametrize("error", [SystemExit("no"), CancelledError("late")])
+def test_a_search_that_would_end_its_thread_has_failed(command, error):
+    """A utility that raises what is no Exception is told like any other failure."""
 
     class Leaving:
         value = Video().value
 
         def integral(self, _start, _end):
-            sys.exit("no")
+            raise error
 
     messages = tuple(message._replace(utility=Leaving()) for message in command.problem.messages)
     broken = dataclasses.replace(command, problem=dataclasses.replace(command.problem, messages=messages))
     ready = decide(broken, SearchSettings(), FOREVER)
-    assert (ready.plan, ready.error) == (None, "SystemExit: no")
+    assert (ready.plan, ready.error) == (None, f"{type(error).__name__}: {error}")
 
 
 def test_a_decision_that_pauses_goes_on_where_it_was(command):

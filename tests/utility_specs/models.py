@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from asyncio import CancelledError
 
 
 class Greatest:
@@ -68,6 +69,11 @@ class Demanding(Greatest):
 class Leaving(Greatest):
     def __init__(self):
         sys.exit("no")
+
+
+class Cancelled(Greatest):
+    def __init__(self):
+        raise CancelledError("late")
 
 
 class Hiding(Greatest):

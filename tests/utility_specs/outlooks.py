@@ -1,6 +1,7 @@
 """Functions that specs of tests name: forecasts of features, and schedules."""
 
 import sys
+from asyncio import CancelledError
 
 
 def doubled(_times, values, _t):
@@ -32,6 +33,14 @@ def never_finite(_times, _until):
 
 def leaving(*_):
     sys.exit("no")
+
+
+def cancelled(*_):
+    raise CancelledError("late")
+
+
+def interrupted(*_):
+    raise KeyboardInterrupt
 
 
 def no_list(_times, _until):

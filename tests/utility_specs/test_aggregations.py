@@ -42,6 +42,7 @@ def test_a_table_that_was_read_is_read_again():
         ("Listing", r"^Listing.empty\(\) returned a list: states must be hashable"),
         ("Demanding", r"models:Demanding\(\) failed: TypeError: "),
         ("Leaving", r"models:Leaving\(\) failed: SystemExit: no$"),
+        ("Cancelled", r"models:Cancelled\(\) failed: CancelledError: late$"),
         ("Lacking", r"models:Lacking has no add\(\) and no value\(\); an aggregation has empty, add, value$"),
     ],
 )

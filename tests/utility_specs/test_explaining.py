@@ -1,7 +1,6 @@
 """Why a sample is worth what it is."""
 
 import json
-import sys
 
 import cv2
 import numpy as np
@@ -10,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.problem import Aggregation
+from tests.utility_specs import outlooks
 from utility_specs.explaining import AGGREGATIONS, combined, explain, figure, kind_of
 from utility_specs.loader import load_set
 
@@ -88,15 +88,28 @@ def test_a_feature_that_fails_has_its_default_and_says_why(specs):
     assert (endless.value, endless.why) == (0.5, "inf is no finite number")
 
 
-def leaving(_key, _payload):
-    sys.exit("no")
+@pytest.mark.parametrize(("function", "why"), [("leaving", "SystemExit: no"), ("cancelled", "CancelledError: late")])
+def test_whatever_a_feature_raises_it_has_failed(specs, function, why):
+    """Whoever asks for an explanation gets one, and in the daemon the default holds."""
+    own = f'{{ kind = "python", function = "{outlooks.__name__}:{function}", default = 3.0 }}'
+    loaded = specs(SPECS.replace('{ kind = "size" }', own))
+    key, payload = "robot/r1/camera/0", b'{"red": 1}'
+    idle = explain(loaded, key, payload).worth.features[1]
+    assert (idle.value, idle.why) == (3.0, why)
+    of = loaded.specs.match(key)
+    assert of.extract(key, payload)[idle.name] == 3.0
+    assert of.failures.counts() == {idle.name: 1}
 
 
-def test_a_feature_that_calls_exit_has_failed(specs):
-    """Whoever asks for an explanation gets one."""
-    own = SPECS.replace('{ kind = "size" }', f'{{ kind = "python", function = "{__name__}:leaving", default = 3.0 }}')
-    idle = explain(specs(own), "robot/r1/camera/0", b'{"red": 1}').worth.features[1]
-    assert (idle.value, idle.why) == (3.0, "SystemExit: no")
+def test_ctrl_c_in_a_feature_ends_what_measures_it(specs):
+    """It is for who asked, and no failure of the feature."""
+    own = f'{{ kind = "python", function = "{outlooks.__name__}:interrupted" }}'
+    loaded = specs(SPECS.replace('{ kind = "size" }', own))
+    key, payload = "robot/r1/camera/0", b'{"red": 1}'
+    with pytest.raises(KeyboardInterrupt):
+        explain(loaded, key, payload)
+    with pytest.raises(KeyboardInterrupt):
+        loaded.specs.match(key).extract(key, payload)
 
 
 def test_expressions_without_a_value_count_as_the_daemon_counts_them(specs):

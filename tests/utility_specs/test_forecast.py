@@ -52,6 +52,8 @@ def test_a_function_of_the_operators_forecasts():
         PythonMethod("o:broken", outlooks.broken).predict([0.0], [3.0], 1.0)
     with pytest.raises(ProblemError, match="o:leaving failed: SystemExit: no"):
         PythonMethod("o:leaving", outlooks.leaving).predict([0.0], [3.0], 1.0)
+    with pytest.raises(ProblemError, match="o:cancelled failed: CancelledError: late"):
+        PythonMethod("o:cancelled", outlooks.cancelled).predict([0.0], [3.0], 1.0)
 
 
 def test_one_method_for_all_or_one_for_each_feature():

@@ -29,6 +29,7 @@ def test_what_is_no_path_is_refused_with_an_example(path):
         ("x = 1 +", "SyntaxError: invalid syntax"),
         ("raise RuntimeError('one\\ntwo')", "RuntimeError: one two"),
         ("raise SystemExit(3)", "SystemExit: 3"),
+        ("import asyncio; raise asyncio.CancelledError('late')", "CancelledError: late"),
         ("import nothing_of_this_name", "ModuleNotFoundError: No module named 'nothing_of_this_name'"),
     ],
 )

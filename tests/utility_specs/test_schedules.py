@@ -72,6 +72,7 @@ def test_a_functions_answer_is_put_in_order():
     [
         (outlooks.never_finite, "x:y returned a time that is not finite"),
         (outlooks.leaving, "x:y failed: SystemExit: no"),
+        (outlooks.cancelled, "x:y failed: CancelledError: late"),
         (outlooks.no_list, "x:y failed: TypeError"),
     ],
 )

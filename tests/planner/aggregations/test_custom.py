@@ -1,6 +1,7 @@
 """Aggregations of the caller's own."""
 
 import sys
+from asyncio import CancelledError
 from dataclasses import replace
 
 import pytest
@@ -85,6 +86,7 @@ def test_states_of_the_table_are_bounded():
         ("empty", ValueError("no"), r"Failing\.empty\(\) failed: ValueError: no"),
         ("add", ZeroDivisionError("zero"), r"Failing\.add\(\) failed: ZeroDivisionError: zero"),
         ("add", SystemExit(3), r"Failing\.add\(\) failed: SystemExit: 3"),
+        ("add", CancelledError("late"), r"Failing\.add\(\) failed: CancelledError: late"),
         ("value", KeyError("k"), r"Failing\.value\(\) failed: KeyError: 'k'"),
         ("value", float("nan"), r"Failing\.value\(\) returned nan"),
         ("value", float("inf"), r"Failing\.value\(\) returned inf"),

@@ -2,6 +2,7 @@
 
 import math
 import sys
+from asyncio import CancelledError
 from functools import partial
 
 import numpy as np
@@ -84,11 +85,16 @@ def constant(value, dtype=np.float64):
     return function
 
 
+def cancelled(_age, _features):
+    raise CancelledError("late")
+
+
 @pytest.mark.parametrize(
     ("function", "says"),
     [
         (lambda age, features: age * features["red"], "raises KeyError: 'red'"),
         (lambda _age, _features: sys.exit(3), "raises SystemExit: 3"),
+        (cancelled, "raises CancelledError: late"),
         (lambda age: age, "raises TypeError: .*takes 1 positional argument"),
         (lambda _age, _features: 1.0, "returns a float, not an array with a value for every age"),
         (lambda _age, _features: None, "returns a NoneType, not an array"),
