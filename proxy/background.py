@@ -1,4 +1,7 @@
-"""Computes features that take longer than they may, or may never end: on a thread of its own, and holds up none."""
+"""Computes features that take longer than they may, or may never end, on a thread of its own.
+
+Who waits for one does so no longer than he says, and not at all while it hangs.
+"""
 
 import math
 from collections.abc import Callable
@@ -27,7 +30,9 @@ class Background(SerialExecutor):
         return self.offer(job)
 
     def within(self, patience: float, job: Callable[[], object]) -> bool:
-        """Run the job soon, whatever waits, and wait so long for it at most [s]; whether it was done by then."""
+        """Run the job soon, and wait so long for it at most [s]; whether there is room: none while one hangs."""
+        if self._hangs(self.now()):
+            return False
         done = Event()
 
         def run() -> None:
@@ -36,8 +41,10 @@ class Background(SerialExecutor):
             finally:
                 done.set()
 
-        self.insist(run)
-        return done.wait(patience)
+        taken = self.offer(run)
+        if taken:
+            done.wait(patience)
+        return taken
 
     def insist(self, job: Callable[[], object]) -> None:
         """Do `job` when its turn comes, however many wait."""
@@ -52,7 +59,10 @@ class Background(SerialExecutor):
 
     def warnings(self, now: float) -> list[str]:
         """Say when a job takes so long that it may never end."""
-        if now <= self._began + TUNING.hangs_after:
+        if not self._hangs(now):
             return []
         what = f"a feature takes longer than {TUNING.hangs_after:g} s, and old values of others hold meanwhile"
         return [f"{what}: see functions of your own in the specs"]
+
+    def _hangs(self, now: float) -> bool:
+        return now > self._began + TUNING.hangs_after

@@ -43,7 +43,7 @@ class Background(Protocol):
         """Run the job soon, on another thread; whether there is room for it."""
 
     def within(self, patience: float, job: Callable[[], object]) -> bool:
-        """Run the job soon and wait so long for it at most [s]; whether it was done by then. There is always room."""
+        """Run the job soon, and wait so long for it at most [s]; whether there is room for it."""
 
 
 class Failures:
@@ -220,7 +220,7 @@ class InformationType:
         With a `background` a feature that takes longer than its budget is computed there, as often as the budget
         allows; until then its last value of the stream holds, which is counted, too. So is the first one, of which
         nobody knows what it takes, and each one that may never come to its end: it is waited for as long as its budget
-        allows.
+        allows, while there is room for it.
         """
         if not self.features:
             return {}
@@ -235,11 +235,11 @@ class InformationType:
         if feature.ends and pace.quick(feature.budget):
             return timed()
         if pace.due(feature.budget):
-            if pace.cost is None or pace.quick(feature.budget):
-                if background.within(feature.budget, timed):
-                    return pace.value
-            elif not background.later(timed):
+            awaited = pace.cost is None or pace.quick(feature.budget)
+            if not (background.within(feature.budget, timed) if awaited else background.later(timed)):
                 pace.refused()
+            elif not pace.under_way:
+                return pace.value
         self.paces.hold(name)
         return pace.value
 

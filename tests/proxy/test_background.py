@@ -44,8 +44,37 @@ def test_a_job_may_be_waited_for(background):
     assert background.within(60.0, lambda: done.append(1))
     assert done == [1]
     assert background.within(60.0, lambda: 1 / 0)
-    assert not background.within(0.0, gate.wait)
+    assert background.within(0.0, lambda: gate.wait(60.0) and done.append(2))
+    assert done == [1]
     gate.set()
+    wait_until(lambda: done == [1, 2], what="what was waited for in vain")
+
+
+def test_nobody_waits_where_too_many_do(background):
+    """Nor is what he brings held for later."""
+    gate, begun, done = threading.Event(), threading.Event(), []
+    background.later(lambda: begun.set() or gate.wait(60.0))
+    assert begun.wait(60.0)
+    room = TUNING.costly_jobs
+    assert [background.within(0.0, lambda: done.append(1)) for _ in range(room)] == [True] * room
+    assert not background.within(60.0, lambda: done.append(2))
+    gate.set()
+    wait_until(lambda: len(done) == room, what="what waited")
+    assert background.within(60.0, lambda: done.append(3))
+    assert done == [1] * room + [3]
+
+
+def test_nobody_waits_for_a_job_that_hangs(background, monkeypatch):
+    """Until it is over; it may never be."""
+    gate, begun = threading.Event(), threading.Event()
+    background.later(lambda: begun.set() or gate.wait(60.0))
+    assert begun.wait(60.0)
+    later = background.now() + TUNING.hangs_after + 1.0
+    monkeypatch.setattr(background, "now", lambda: later)
+    assert not background.within(60.0, int)
+    gate.set()
+    wait_until(lambda: not background.warnings(later), what="its end")
+    assert background.within(60.0, int)
 
 
 def test_a_job_that_fails_is_survived(background, caplog):

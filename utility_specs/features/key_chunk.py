@@ -15,7 +15,7 @@ _NUMBERS = re.compile(r"\d+(?:\.\d+)?", re.ASCII)
 
 
 MOST = 65_535
-"""Chunks that a key may have, and more than any has."""
+"""More chunks than any key has."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,8 @@ class Pace:
     """What a computation takes, smoothed; in a new stream as in the others, so that it holds up nobody [s]."""
     saved: float = 0.0
     """What the samples since the last computation have saved of their budgets [s]."""
-    _under_way: bool = False
+    under_way: bool = False
+    """Whether a computation has begun, or waits, that `took` will end."""
 
     def quick(self, budget: float) -> bool:
         """Whether a computation is known to take no longer than `budget` [s]."""
@@ -33,19 +34,19 @@ class Pace:
     def due(self, budget: float) -> bool:
         """Let one more sample save its budget; return whether a computation may begin that `took` will end."""
         self.saved += budget
-        if self._under_way or self.saved < (self.cost or 0.0):
+        if self.under_way or self.saved < (self.cost or 0.0):
             return False
-        self._under_way = True
+        self.under_way = True
         return True
 
     def took(self, cost: float, value: float) -> None:
         """Note what was computed, and what that took [s]."""
         self.cost = cost if self.cost is None else self.cost + _NEW * (cost - self.cost)
-        self.value, self.saved, self._under_way = value, 0.0, False
+        self.value, self.saved, self.under_way = value, 0.0, False
 
     def refused(self) -> None:
         """Note that a computation that was due cannot be made now."""
-        self._under_way = False
+        self.under_way = False
 
 
 class Paces:

@@ -114,9 +114,8 @@ class Bench:
     def within(self, _patience, job):
         if self.prompt:
             job()
-        else:
-            self.jobs.append(job)
-        return self.prompt
+            return True
+        return self.later(job)
 
 
 @dataclass(frozen=True)
@@ -191,7 +190,7 @@ def test_a_costly_feature_that_fails_has_its_default_until_the_next_one(paced):
 
 def test_the_first_one_is_waited_for_no_longer_than_its_budget(paced):
     """Nobody knows what it takes: if that is more, defaults hold until it is there."""
-    bench = Bench(prompt=False)
+    bench = Bench(room=2, prompt=False)
     each = paced(bench, slow=3 * BUDGET, quick=BUDGET / 2)
     assert each.extract("t", b"1", None, bench) == {"slow": -1.0, "quick": -1.0}
     assert each.extract("t", b"2", None, bench) == {"slow": -1.0, "quick": -1.0}
@@ -234,6 +233,18 @@ def test_what_may_never_end_is_waited_for_no_longer_than_its_budget(paced):
     bench.prompt = True
     assert each.extract("t", b"5", None, bench) == {"x": 5.0}
     assert each.paces.held() == {"x": 2}
+
+
+def test_while_a_feature_hangs_no_more_samples_wait_for_it_than_may(paced):
+    """However many streams there are, each held up to be computed later; those that were refused try again."""
+    bench = Bench(room=2, prompt=False)
+    each = only(paced(bench), Endless(bench, BUDGET / 2, budget=BUDGET, default=-1.0))
+    for _ in range(2):
+        for number in range(module.STREAMS + 50):
+            assert each.extract(f"t{number}", b"1", None, bench) == {"x": -1.0}
+    assert len(bench.jobs) == 2
+    bench.prompt = True
+    assert each.extract(f"t{module.STREAMS}", b"2", None, bench) == {"x": 2.0}
 
 
 def test_a_feature_that_calls_exit_has_failed(paced):
