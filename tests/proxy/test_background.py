@@ -66,15 +66,16 @@ def test_nobody_waits_where_too_many_do(background):
 
 def test_nobody_waits_for_a_job_that_hangs(background, monkeypatch):
     """Until it is over; it may never be."""
-    gate, begun = threading.Event(), threading.Event()
+    gate, begun, done = threading.Event(), threading.Event(), []
     background.later(lambda: begun.set() or gate.wait(60.0))
     assert begun.wait(60.0)
     later = background.now() + TUNING.hangs_after + 1.0
     monkeypatch.setattr(background, "now", lambda: later)
-    assert not background.within(60.0, int)
+    assert not background.within(0.0, lambda: done.append(1))
     gate.set()
     wait_until(lambda: not background.warnings(later), what="its end")
-    assert background.within(60.0, int)
+    assert background.within(60.0, lambda: done.append(2))
+    assert done == [2]
 
 
 def test_a_job_that_fails_is_survived(background, caplog):

@@ -27,24 +27,30 @@ class PendingNews:
         self._news: dict[int, StreamDigest] = {}
         self._counted: dict[int, Entry] = {}
         """What was last sent of them, as the traffic log counts it."""
+        self._forgotten = -1
+        """The greatest number of a stream whose news had to make room: a robot's numbers only grow."""
         self.evicted = 0
 
     def __len__(self) -> int:
         return len(self._news)
 
     def keep(self, news: StreamDigest) -> bool:
-        """Keep news; return whether it tells of another sample that was sent.
+        """Keep news; return whether it surely tells of another sample that was sent.
 
         Of too many the one not heard of for longest is forgotten: a key that is gone by the next state is never known.
+        What is told of such a stream again may have counted before: of 1,100 that sent one sample each that counted
+        anew each time it was told.
         """
         earlier = self._news.pop(news.id, None)
+        forgotten = earlier is None and news.id <= self._forgotten
         if earlier is None and len(self._news) >= TUNING.pending_news:
             oldest = next(iter(self._news))
             del self._news[oldest]
             self._counted.pop(oldest, None)
+            self._forgotten = max(self._forgotten, oldest)
             self.evicted += 1
         self._news[news.id] = news
-        return news.forwarded > (0 if earlier is None else earlier.forwarded)
+        return not forgotten and news.forwarded > (0 if earlier is None else earlier.forwarded)
 
     def count(self, number: int, entry: Entry) -> None:
         """What was sent of the stream with this number counts as this."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.view.peer import Peer
+from proxy.core.view.tuning import TUNING
 from proxy.core.view.view import SharedView
 from tests.proxy.core.view.met import CAMERA, digest, meet
 
@@ -55,6 +56,19 @@ def test_news_without_a_key_is_bounded(view):
     news = tuple(StreamDigest(n, 1, 0, 1.0, 0.0, 10, 1.0) for n in range(1030))
     view.heard_digest(1.0, digest(1.0, *news))
     assert (len(view.peers["z-r2"].pending), view.peers["z-r2"].evicted) == (1024, 6)
+
+
+def test_news_without_a_key_counts_once_however_many_there_are(view):
+    """Also where it is told again after it had to make room; one with a new number is another one."""
+    view.add_peer(0.0, "r2", "z-r2")
+    many = TUNING.pending_news + 100
+    for at in (1.0, 2.0, 3.0):
+        view.heard_digest(at, digest(at, *(StreamDigest(n, 1, 1, 1.0, 1.0, 10, 1.0) for n in range(many))))
+        assert len(view.traffic.sends) == many
+    view.heard_digest(4.0, digest(4.0, StreamDigest(many, 1, 1, 4.0, 4.0, 10, 1.0)))
+    assert len(view.traffic.sends) == many + 1
+    view.heard_digest(5.0, digest(5.0, StreamDigest(many, 2, 2, 5.0, 5.0, 10, 1.0)))
+    assert len(view.traffic.sends) == many + 2
 
 
 def test_news_without_a_key_that_is_heard_of_no_more_makes_room(view):
