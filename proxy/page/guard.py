@@ -7,6 +7,7 @@ bring the token in a header, which no other origin can send along without our le
 
 import ipaddress
 import json
+import re
 import secrets
 from collections.abc import Collection
 
@@ -30,6 +31,7 @@ HEADERS = tuple(
     }.items()
 )
 LOCAL = "localhost"
+HOST = re.compile(r"(?P<name>\[[^]]*\]|[^:]*)(:[0-9]+)?")
 
 
 def new_token() -> str:
@@ -73,11 +75,13 @@ class Guard:
 
     def _is_ours(self, host: str) -> bool:
         """Whether a host is an address, which nobody can point at us, or one of our names."""
-        name = host[: host.rfind("]") + 1] if host.startswith("[") else host.partition(":")[0]
-        if name.lower() in self._names:
+        parts = HOST.fullmatch(host)
+        if parts is None:
+            return False
+        if parts["name"].lower() in self._names:
             return True
         try:
-            ipaddress.ip_address(name.strip("[]"))
+            ipaddress.ip_address(parts["name"].strip("[]"))
         except ValueError:
             return False
         return True

@@ -210,6 +210,9 @@ class Live:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send until the browser or the server goes."""
+        if scope["method"] != "GET":  # a route for GET lets HEAD through, too
+            await _problem(HTTPStatus.METHOD_NOT_ALLOWED, "only GET")(scope, receive, send)
+            return
         viewer = self._page.hub.join()
         if viewer is None:
             await _problem(HTTPStatus.SERVICE_UNAVAILABLE, "too many pages are open")(scope, receive, send)

@@ -56,8 +56,11 @@ def checked(files: Files) -> dict[str, Any]:
 
 @contextmanager
 def _folder(files: Files) -> Iterator[Path]:
-    """Write files to a folder for a while. Raises PushError for names that are none of specs."""
-    encoded = {name: text.encode() for name, text in files.items()}
+    """Write files to a folder for a while. Raises PushError for names that are none of specs, and text that is none."""
+    try:
+        encoded = {name: text.encode() for name, text in files.items()}
+    except UnicodeEncodeError:
+        raise PushError("files of specs are UTF-8, which cannot write half a surrogate pair") from None
     pack(encoded)
     with tempfile.TemporaryDirectory(prefix="sendworthy-page-") as name:
         folder = Path(name)

@@ -31,7 +31,13 @@ def test_what_comes_is_guarded_by_headers(page):
         assert headers["Access-Control-Allow-Origin"] is None
 
 
-@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example:80", "localhost.evil", "", "[::1", "127.1"])
+@pytest.mark.parametrize(
+    "host",
+    [
+        *("evil.example", "127.0.0.1.evil.example:80", "localhost.evil", "", "[::1", "127.1"),
+        *("localhost:1@evil.example", "127.0.0.1:x", "[::1]evil.example", "[::1]:1@evil.example"),
+    ],
+)
 def test_a_name_that_is_not_ours_is_refused(page, host):
     """Somebody may have pointed it at this machine (DNS rebinding)."""
     status, _, body = page.ask("GET", "/", Host=host)

@@ -132,6 +132,8 @@ def test_specs_go_live_when_they_are_right(fleet, live):
         ("/filter", b"[" * 100_000, "what was sent is no object of JSON"),
         ("/check", b'{"files": {"a.toml": 3}}', "specs are sent as"),
         ("/check", b'{"files": {"../a.toml": ""}}', "is no name of a file of specs"),
+        ("/check", rb'{"files": {"a.toml": "# \ud800"}}', "files of specs are UTF-8"),
+        ("/push", rb'{"files": {"a.toml": "# \ud800"}}', "files of specs are UTF-8"),
         ("/push", b'{"files": {}}', "there is nothing to push"),
         ("/demo/channel", b'{"limit": 1e6, "latency": 0, "loss": 0}', "nobody answers at"),
         ("/demo/red", b'{"robot": 3}', "something red is ordered with"),
@@ -160,6 +162,12 @@ def test_who_leaves_in_the_middle_does_no_harm(fleet):
         with socket.create_connection(("127.0.0.1", fleet.page.port)) as connection:
             connection.sendall(said.encode())
     assert fleet.page.ask("GET", "/")[0] == 200
+
+
+@pytest.mark.parametrize("method", ["HEAD", "POST"])
+def test_the_stream_is_there_for_get_only(fleet, method):
+    """Anything else would take a viewer's place until its connection ends."""
+    assert fleet.page.ask(method, "/live", {})[0] == 405
 
 
 def test_only_so_many_pages_are_open_at_once(fleet):
