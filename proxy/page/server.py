@@ -20,6 +20,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from proxy.errors import PageError, ProxyError
+from proxy.page.connections import Connection
 from proxy.page.guard import Guard
 from proxy.page.hub import Viewer
 from proxy.page.orders import FILTERS, written
@@ -56,7 +57,7 @@ class Server(uvicorn.Server):
         super().__init__(
             uvicorn.Config(
                 Guard(application(page), token, names),
-                http="h11",
+                http=Connection,
                 ws="none",
                 lifespan="on",
                 loop="asyncio",

@@ -15,6 +15,9 @@ class PageTuning:
     """Larger images are not shown [B]: of each camera each viewer may hold one that waits and one on its way."""
     viewers: int = 16
     """Pages that are open at once, at most; each takes what its network carries."""
+    head: float = 5.0
+    """Who connects asks something within this time, and again after an answer, or is cut off [s]: as long as uvicorn
+    keeps a connection that says nothing after one."""
     rate_window: float = 3.0
     """How often frames come is counted over so long [s]."""
     count_window: float = 10.0
