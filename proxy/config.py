@@ -228,7 +228,7 @@ class RecordConfig(Section):
     on: bool = Field(default=False, description="record from the start of the daemon on")
     folder: SpecsPath = Field(default=Path("recordings"), description="folder of the recordings")
     file_bytes: int = Field(
-        default=64 * 1024 * 1024, ge=1024 * 1024, le=1 << 40, description="size after which a new file is begun [B]"
+        default=64 * 1024 * 1024, ge=1024 * 1024, le=1 << 40, description="size before which a new file is begun [B]"
     )
     disk_bytes: int = Field(
         default=1024 * 1024 * 1024,

@@ -60,6 +60,7 @@ class Output:
         self._specs = specs
         self._folder = folder
         self._file_bytes = file_bytes
+        self._full_at = file_bytes - min(TUNING.reserve, file_bytes // 2)
         self._writer: RecordingWriter | None = None
         self._number = start.number
         self._now = start.now
@@ -72,7 +73,7 @@ class Output:
         self._retry = TUNING.retry
         self._closed_bytes = 0
         self.heads = 0 if start.whole else 1
-        """So many `Head`s it has asked for: where a file is as large as it should be, or begins in mid-life."""
+        """So many `Head`s it has asked for: where a file is as large as it may be, or begins in mid-life."""
         self._heads_come = 0
         """Of so many it waits no longer."""
         self.written = Written()
@@ -180,7 +181,7 @@ class Output:
     @property
     def _full(self) -> bool:
         writer = self._writer
-        return writer is not None and (writer.size >= self._file_bytes or len(writer.channels) >= TUNING.channels)
+        return writer is not None and (writer.size >= self._full_at or len(writer.channels) >= TUNING.channels)
 
     def _end(self, reason: str) -> None:
         """Close the file; where there is no room for its end it does without."""

@@ -31,6 +31,9 @@ class RecordingTuning:
     """Whoever has a recording stopped waits for its end so long at most [s]: less than he waits for an answer."""
     chunk: int = 256 * 1024
     """Bytes of messages that are compressed together: more compress hardly better, and are held in memory."""
+    reserve: int = 512 * 1024
+    """A file is full when it lacks so much of what it may take [B]: two chunks, for that is seen once one is written,
+    and what is in hand then, up to where the core can be asked for what it knows, still goes there."""
     channels: int = 50_000
     """A file with so many keys of payloads is full: MCAP numbers 65,535, and events that wait may be of others."""
     snapshot: int = 32 * 1024 * 1024

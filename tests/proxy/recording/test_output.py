@@ -3,6 +3,7 @@
 import resource
 from contextlib import contextmanager
 from dataclasses import replace
+from random import Random
 
 import pytest
 from mcap.reader import make_reader
@@ -23,7 +24,7 @@ SPECS = '[[information_type]]\nname = "a"\nkeys = ["a/**"]\nutility = { kind = "
 
 @pytest.fixture
 def output(tmp_path):
-    """Writes into `tmp_path`, files of at least 20 kB of which there may be 1 MB."""
+    """Writes into `tmp_path`, files of at most 20 kB of which there may be 1 MB."""
     output = Output(START, Specs.empty(), RecordingFolder(tmp_path, "r1", 1_000_000, 0.0), 20_000)
     output.open()
     return output
@@ -103,6 +104,26 @@ def test_large_files_are_followed_by_others(output, tmp_path):
         due += sum(isinstance(entry, Happened) for entry in found)
     assert place > 0
     assert due == 3000
+
+
+@pytest.mark.parametrize("size", [200, 20_000, 200_000])
+def test_the_least_bound_keeps_the_file_before(tmp_path, size):
+    """All take twice what a file may, at most, and of a rotated recording there always is more than the last file."""
+    most = 1024 * 1024
+    output = Output(START, Specs.empty(), RecordingFolder(tmp_path, "r1", 2 * most, 0.0), most)
+    output.open()
+    output.given = 0
+    noise = Random(1)
+    content = Content(size, lambda: (noise.randbytes(size), ""))
+    for number in range(5 * most // (size + 200)):
+        headed(output, number)
+        add(output, [number], content)
+        found = [file.stat().st_size for file in files(tmp_path)]
+        assert sum(found) <= 2 * most
+        assert len(found) >= min(output.written.files, 2)
+    output.close("stopped")
+    assert output.written.files > 3
+    assert all(file.stat().st_size <= most for file in files(tmp_path))
 
 
 def test_a_file_of_many_keys_is_followed_by_another(output, tmp_path, monkeypatch):
