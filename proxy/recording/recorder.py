@@ -172,7 +172,7 @@ class Recorder:
             self._missing = None
         payload = None if self._payload is None else self._payload_of(event)
         items.append((number, event, commands, fault, payload))
-        if len(items) >= _MANY:
+        if len(items) >= _MANY or (payload is not None and self._held - self._given >= TUNING.chunk):
             self._wake.set()
 
     def _payload_of(self, event: Event) -> Content | None:

@@ -13,7 +13,7 @@ from proxy.recording.errors import RecordingError
 from proxy.recording.folder import RecordingFolder
 from proxy.recording.output import Output
 from proxy.recording.recorder import FULL, Recorder
-from proxy.recording.tuning import TUNING
+from proxy.recording.tuning import TUNING, RecordingTuning
 from tests.proxy.recording.lives import START, entries, published
 from tests.waiting import wait_until
 from utility_specs import Specs
@@ -133,6 +133,18 @@ def test_payloads_wait_within_a_bound(record, tmp_path):
     names = [type(entry).__name__ for entry in found[2:]]
     assert names == ["Payload", "Happened"] * 3 + ["Gap"] + ["Happened"] * 3 + ["Payload", "Happened", "End"]
     assert (found[8].events, found[8].payloads) == (0, 1)
+
+
+def test_payloads_that_fill_a_chunk_are_written_at_once(record, tmp_path, monkeypatch):
+    """Else what waits would make a file larger than it may be, before it is seen that it is full."""
+    monkeypatch.setattr("proxy.recording.recorder.TUNING", RecordingTuning(flush=3600.0))
+    recorder = record(lambda _: Content(TUNING.chunk // 2, lambda: (b"x", "")))
+    recorder.start()
+    assert recorder.begun(60.0)
+    for number in range(2):
+        recorder.handle(published(number))
+    wait_until(lambda: not recorder.waiting, what="the writer")
+    assert len(finish(recorder, tmp_path)) == 7
 
 
 def test_an_error_ends_the_recording_and_nothing_else(record, tmp_path, caplog):
