@@ -63,7 +63,7 @@ def tried(folder, closing):
 
 
 def test_all_of_it_works(tmp_path):
-    """Every line, in three terminals; what is learned is what the daemon reads."""
+    """Every line, in three terminals; what is learned is what the daemon reads. Alone it drops nothing."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     place(tmp_path, endpoint)
     activate = tmp_path / "venv" / "bin" / "activate"
@@ -75,6 +75,10 @@ def test_all_of_it_works(tmp_path):
         text = tried(tmp_path, closing)
     assert 'information_type "battery": robot/*/battery' in text
     assert "robot r1   mode enforce   sendworthy " in text
+    alone = "no other robot is on the mesh"
+    assert f"`{alone}`" in PAGE.read_text()
+    assert alone in text
+    assert "samples  0 in = 0 forwarded + 0 dropped" in text
 
 
 @pytest.mark.full
