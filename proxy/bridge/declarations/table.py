@@ -142,7 +142,8 @@ class DeclarationTable:
         """Put an entry in; an equal one may be there."""
         if self._entries[kind].get(name) != entry:
             self._forget(kind, name)
-            self._alive[entry[0]] += kind == "token"
+            if kind == "token":
+                self._alive[entry[0]] += 1
         self._entries[kind][name] = entry
 
     def _forget(self, kind: Kind, name: int | str) -> bool:

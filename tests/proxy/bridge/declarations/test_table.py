@@ -73,6 +73,8 @@ def test_tokens_that_ended_are_told_once(table):
     table.read(frame(declared(0x06, 5, 0, "a"), declared(0x06, 6, 0, "a"), declared(0x02, 5, 0, "b")), inward=True)
     table.read(frame(b"\x1e\x07\x05", b"\x1e\x03\x05"), inward=True)
     assert table.declared("token") == {"a": False}
+    assert table._alive == {"a": 1}, "only tokens are counted"
+    assert "b" not in table._alive
     assert table.ended_tokens() == set()
     table.read(frame(b"\x1e\x07\x06", declared(0x06, 7, 0, "a")), inward=True)
     assert table.declared("token") == {"a": False}
