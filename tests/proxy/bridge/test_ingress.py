@@ -278,32 +278,17 @@ def test_what_becomes_of_a_key_is_worked_out_anew_when_the_mode_changes(pair, wa
     assert heard().count("covered/a") == 1
 
 
-@pytest.mark.usefixtures("wanted")
-def test_in_mode_pass_samples_go_behind_those_of_their_key_that_wait(pair, wanted):
-    """What waited for a decision when the mode changed has not left yet; others go at once."""
-    app, block = pair[0].node(), {"congestion_control": zenoh.CongestionControl.BLOCK}
-    app.put("covered/a", "first", **block)
-    wait_until(lambda: pair[0].asked, what="the first one")
-    pair[0].switch(Mode.PASS)
-    app.put("covered/a", "second", **block)
-    app.put("covered/b", "other", **block)
-    wait_until(lambda: wanted.payloads == ["other"], what="the one of another key")
-    assert len(pair[0].asked) == 2
-    for asked in pair[0].asked:
-        pair[0].bridge.forward(asked.sample)
-    wait_until(lambda: wanted.payloads == ["other", "first", "second"], what="both")
-    app.put("covered/a", "third", **block)
-    wait_until(lambda: wanted.payloads[-1] == "third", what="the next one, at once")
-    assert len(pair[0].asked) == 2
-
-
-@pytest.mark.usefixtures("wanted")
-def test_what_specs_cover_no_more_goes_behind_samples_of_its_key_that_wait(pair, wanted):
+@pytest.mark.parametrize(
+    "change",
+    [lambda robot: robot.switch(Mode.PASS), lambda robot: robot.swap(Specs.empty())],
+    ids=["in mode pass", "as specs cover it no more"],
+)
+def test_what_needs_no_decision_goes_behind_samples_of_its_key_that_wait(pair, wanted, change):
     """These were to be decided; other keys go at once, and so does that one once nothing of it waits."""
     app, block = pair[0].node(), {"congestion_control": zenoh.CongestionControl.BLOCK}
     app.put("covered/a", "first", **block)
     wait_until(lambda: pair[0].asked, what="the first one")
-    pair[0].swap(Specs.empty())
+    change(pair[0])
     app.put("covered/a", "second", **block)
     app.put("covered/b", "other", **block)
     wait_until(lambda: wanted.payloads == ["other"], what="the one of another key")
