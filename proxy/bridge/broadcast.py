@@ -22,7 +22,7 @@ import zenoh
 from proxy import clock
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.group_socket import is_open, sockets_on
+from proxy.bridge.group_socket import GroupSockets
 from proxy.bridge.keys import ALL_DIGESTS, ANNOUNCED, INGRESS, on_air
 from proxy.bridge.keys import PREFIX as OWN
 from proxy.bridge.radio import interface_of
@@ -72,8 +72,7 @@ class Broadcast:
         self._attend: Hear | None = None
         self._subscribers: list[Declaration] = []
         self._reopened, self._deafened = 0, 0
-        self._sockets: frozenset[tuple[int, int]] = frozenset()
-        """Those in which the session hears the group."""
+        self._sockets = GroupSockets(group)
         self._session = self._opened()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="broadcast", daemon=True)
@@ -134,14 +133,12 @@ class Broadcast:
         }
 
     def _opened(self) -> zenoh.Session:
-        before = sockets_on(self._group)
         try:
-            options = broadcast_options(self._group, interface_of(self._interface))
-            session = zenoh_session(options)
+            with self._sockets.found():
+                session = zenoh_session(broadcast_options(self._group, interface_of(self._interface)))
         except zenoh.ZError as error:
             where = f"mesh.interface {self._interface}, mesh.group {self._group}"
             raise SessionError(f"{where}: cannot broadcast: {reason_of(error).rpartition('[')[2]}") from error
-        self._sockets = sockets_on(self._group) - before
         self._subscribe(session)
         return session
 
@@ -169,7 +166,7 @@ class Broadcast:
         """Look whether anybody is heard; a dead session hears nobody."""
         patience, since = TUNING.group_silent, clock.monotonic()
         while not self._stop.wait(TUNING.group_check):
-            if not all(is_open(*each) for each in self._sockets):
+            if self._sockets.closed:
                 self._deafened += 1
                 self._reopen("something that is no Zenoh message came, and Zenoh heard nothing more")
                 patience, since = TUNING.group_silent, clock.monotonic()
@@ -183,8 +180,7 @@ class Broadcast:
         try:
             session = self._opened()
         except SessionError as error:
-            log.warning("%s", error)
-            self._sockets = frozenset()  # tried again as whoever hears nobody does
+            log.warning("%s", error)  # tried again as whoever hears nobody does
             return
         old, self._session = self._session, session
         self._reopened += 1

@@ -6,10 +6,38 @@ Without a look at that a team is deaf until it misses everybody: one stray byte 
 """
 
 import os
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 _TABLES = ("/proc/self/net/udp", "/proc/self/net/udp6")
+
+
+class GroupSockets:
+    """The sockets in which the session opened last hears `group`."""
+
+    def __init__(self, group: str) -> None:
+        self._group = group
+        self._ever_found = False
+        self._sockets: frozenset[tuple[int, int]] | None = None
+        """None where that cannot be told."""
+
+    @contextmanager
+    def found(self) -> Iterator[None]:
+        """Find those that are opened within."""
+        self._sockets, before = None, sockets_on(self._group)
+        yield
+        sockets = sockets_on(self._group) - before
+        self._ever_found |= bool(sockets)
+        if self._ever_found:
+            self._sockets = sockets
+
+    @property
+    def closed(self) -> bool:
+        """Whether the session hears nothing more; without a socket it was deafened before one could be found."""
+        if self._sockets is None:
+            return False
+        return not (self._sockets and all(is_open(*each) for each in self._sockets))
 
 
 def sockets_on(group: str) -> frozenset[tuple[int, int]]:

@@ -1,8 +1,10 @@
 """Which sockets of this process are on a port, and whether they still are."""
 
 import socket
+from contextlib import suppress
 
-from proxy.bridge.group_socket import is_open, sockets_on
+from proxy.bridge.group_socket import GroupSockets, is_open, sockets_on
+from tests.ports import free_port
 
 
 def test_a_socket_is_found_by_its_port_until_it_is_closed():
@@ -22,3 +24,24 @@ def test_where_the_kernel_has_no_table_nothing_is_found(monkeypatch):
     """As without IPv6."""
     monkeypatch.setattr("proxy.bridge.group_socket._TABLES", ("/proc/self/net/none",))
     assert sockets_on("224.0.0.226:7449") == frozenset()
+
+
+def test_a_session_without_a_socket_was_deafened_unless_none_is_ever_found():
+    """Where nothing can be told, as where opening failed, nothing is said."""
+    port = free_port()
+    sockets = GroupSockets(f"224.0.0.226:{port}")
+    assert not sockets.closed
+    with sockets.found():
+        pass
+    assert not sockets.closed
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        with sockets.found():
+            one.bind(("127.0.0.1", port))
+        assert not sockets.closed
+    assert sockets.closed
+    with suppress(OSError), sockets.found():
+        raise OSError
+    assert not sockets.closed
+    with sockets.found():
+        pass
+    assert sockets.closed
