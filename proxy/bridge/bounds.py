@@ -25,6 +25,8 @@ class BridgeBounds:
     """Declarations of one kind in one direction; more are refused and said."""
     demanded_keys: int = 1024
     """Keys whose demand is followed; of more, one node is assumed to want them."""
+    markers: int = 16
+    """Markers under way between a main session and its mirror session: few are, for of each direction one is."""
     queries: int = 1024
     """Queries under way in one direction; more are answered with an error."""
     queries_of_one: int = 768

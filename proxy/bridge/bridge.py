@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from proxy import clock
+from proxy.bridge.barrier import Barrier
 from proxy.bridge.broadcast import Broadcast
 from proxy.bridge.courses import Courses
 from proxy.bridge.delivery import Delivery
@@ -72,15 +73,20 @@ class Bridge:
         self.rooms = rooms(config.queue.samples, config.queue.bytes)
         self.payloads = Payloads(self.rooms.covered)
         self.executors = (SerialExecutor("queries out"), SerialExecutor("queries in"))
+        self._holders = (SerialExecutor("samples out"), SerialExecutor("samples in"))
         sourced = sides.apps.keeps_source and sides.others.keeps_source
         self._courses = Courses(live, self._rules, sourced=sourced)
         self._passed = Passed()
         self.demand = _demand(config, sides, core)
         self._egress = Egress(sides.data, self.demand, self._passed, core.post, live.runtime.pace, rooms=self.rooms)
         self._broadcast = (sides.data,) if isinstance(sides.data, Broadcast) else ()
-        self._ingress = self._make_ingress(sides, largest_payload(config.mesh.zenoh))
-        self._delivery = self._make_delivery(sides, hold_back, sourced=sourced)
         fence = Fence(sides.wake.set)
+        self._barriers = out, into = (
+            Barrier(sides.apps, sides.others, fence, self._holders[0]),
+            Barrier(sides.others, sides.apps, fence, self._holders[1]),
+        )
+        self._ingress = self._make_ingress(sides, out, largest_payload(config.mesh.zenoh))
+        self._delivery = self._make_delivery(sides, hold_back, into, sourced=sourced)
         self._outward, self._inward = self._make_queries(sides, fence, sourced=sourced)
         self._links = Links(sides.mesh, config.mesh.connect, clock.monotonic())
         self._app_links = Links(sides.app, config.app.connect, clock.monotonic(), "app")
@@ -94,11 +100,12 @@ class Bridge:
             Silence(sides.mesh, longest_silence(config.mesh.zenoh)),
             self._half_open,
             hold_back,
+            *self._barriers,
             GoneRouters(sides.app, sides.apps, lambda: self._ingress.declared),
         )
         self._mirroring = self._make_mirroring(sides, links, neighbours, fence)
 
-    def _make_ingress(self, sides: Sides, largest: int) -> Ingress:
+    def _make_ingress(self, sides: Sides, barrier: Barrier, largest: int) -> Ingress:
         return Ingress(
             app=sides.app,
             mesh=sides.mesh,
@@ -111,9 +118,10 @@ class Bridge:
             payloads=self.payloads,
             room=self.rooms.covered,
             largest=largest,
+            barrier=barrier,
         )
 
-    def _make_delivery(self, sides: Sides, hold_back: HoldBack, *, sourced: bool) -> Delivery:
+    def _make_delivery(self, sides: Sides, hold_back: HoldBack, barrier: Barrier, *, sourced: bool) -> Delivery:
         delivery = Delivery(
             sides.app,
             sides.mesh,
@@ -123,6 +131,7 @@ class Bridge:
             numbered=sourced,
             counts_each=self._live.counts_each,
             hold_back=hold_back,
+            barrier=barrier,
         )
         if isinstance(sides.data, Broadcast):
             sides.data.listen(delivery.overhear)
@@ -167,11 +176,13 @@ class Bridge:
     def close(self) -> None:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
         self._mirroring.close(TUNING.stop_wait)
+        for barrier in self._barriers:
+            barrier.close()
         self._half_open.close()
         self._ingress.close()
         for part in (self._delivery, self._outward, self._inward):
             part.close()
-        for thread in (self._egress, *self.executors):
+        for thread in (*self._holders, self._egress, *self.executors):
             thread.close(TUNING.stop_wait)
         self.demand.close()
 

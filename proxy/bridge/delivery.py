@@ -8,6 +8,7 @@ import zenoh
 from proxy import clock
 from proxy.bridge import keys
 from proxy.bridge.attached import attach
+from proxy.bridge.barrier import Barrier
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.deduplication import Deduplication, of_sample
 from proxy.bridge.hold_back import HoldBack
@@ -28,7 +29,8 @@ class Delivery:
 
     `covered` says whether an information type covers a key; for such samples `offer` gets a `SampleHeard`. `numbered`:
     samples keep the numbers of their publishers. `counts_each`: each sample of a key counts, so that other robots keep
-    copies for us while we are away, and what is new waits in `hold_back` for these.
+    copies for us while we are away, and what is new waits in `hold_back` for these. What `barrier` holds goes when that
+    lets it.
     """
 
     def __init__(
@@ -42,6 +44,7 @@ class Delivery:
         numbered: bool = True,
         counts_each: Callable[[str], bool] = lambda _: False,
         hold_back: HoldBack | None = None,
+        barrier: Barrier | None = None,
     ) -> None:
         self._app = app
         self._mesh = mesh
@@ -52,6 +55,7 @@ class Delivery:
         self._counts_each = counts_each
         self._received = Received()
         self.hold_back = HoldBack(lambda _: "") if hold_back is None else hold_back
+        self._barrier = barrier
         self._copies: Declaration | None = None
         self._deduplication = Deduplication(of_sample)
         self._mirror = Mirror(self._subscribe, TUNING.grace)
@@ -128,11 +132,21 @@ class Delivery:
         if verdict is Verdict.DENIED:
             self._rules.into.count("samples")  # it was on the air all the same
         else:
-            hand = partial(self._publish, sample, renamed)
+            hand = partial(self._let, key, sample, renamed)
             if copy or not ordered or not self.hold_back.takes(key, stamp, len(sample.payload), hand):
                 hand()
         if not copy and self._covered(key) is not None:  # how long a copy took says nothing about the way
             self._offer(_heard(key, sample))
+
+    def _let(self, key: str, sample: zenoh.Sample, renamed: str | None) -> None:
+        """Publish a sample when the apps know of what was declared before it."""
+        barrier, now = self._barrier, clock.monotonic()
+        quiet = None if barrier is None else barrier.holds(key, now, ordered=self._covered(key) is None)
+        if barrier is None or quiet is None:
+            self._publish(sample, renamed)
+        else:
+            publishes = partial(self._publish, sample, renamed)
+            barrier.hold(key, now, len(sample.payload), publishes, quiet=quiet)
 
     def _publish(self, sample: zenoh.Sample, renamed: str | None) -> None:
         publish(self._app, sample, sample.timestamp, renamed, source=sample.source_info if self._numbered else None)

@@ -11,6 +11,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge.attached import attach
+from proxy.bridge.barrier import Barrier
 from proxy.bridge.courses import Courses
 from proxy.bridge.cover import Cover
 from proxy.bridge.declaration import Declaration
@@ -48,7 +49,7 @@ class Ingress:
     """Subscribes on the app side to what the mesh wants and sorts it: the core gets what is covered, the rest passes.
 
     No payload is larger than `largest` [B]. Covered samples wait among the `payloads`, as far as there is `room`.
-    `submit` gets them for the core, with the type that covers them.
+    `submit` gets them for the core, with the type that covers them. What `barrier` holds goes when that lets it.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class Ingress:
         payloads: Payloads,
         room: Room,
         largest: int,
+        barrier: Barrier,
     ) -> None:
         self._aside = False
         """Whether another daemon takes care of our apps: then everything is left to it."""
@@ -79,6 +81,7 @@ class Ingress:
         self._payloads = payloads
         self._room = room
         self._largest = largest
+        self._barrier = barrier
         self._cover = Cover()
         self._deduplication = Deduplication(of_sample)
         self._mirror = Mirror(self._subscribe, TUNING.grace)
@@ -126,6 +129,15 @@ class Ingress:
         key = str(sample.key_expr)
         if not self._deduplication.takes(number, key, sample) or self._aside:
             return
+        quiet = self._barrier.holds(key, now, ordered=self._courses.of(key).covering is None)
+        if quiet is None:
+            self._take(now, key, sample)
+        else:
+            self._barrier.hold(key, now, len(sample.payload), partial(self._take, None, key, sample), quiet=quiet)
+
+    def _take(self, now: float | None, key: str, sample: zenoh.Sample) -> None:
+        """Sort a sample that came now, or was held until now where `now` is None."""
+        now = clock.monotonic() if now is None else now
         stamp = sample.timestamp
         origin = None if stamp is None else origin_of(stamp)
         if stamp is not None and origin == self._own and self._stamped.holds(key, stamp):

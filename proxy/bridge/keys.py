@@ -73,6 +73,11 @@ def at_apps(robot: str, zid: str) -> str:
     return f"{PREFIX}/{robot}/app/{zid}"
 
 
+def marker(zid: str) -> str:
+    """Return where markers of the main session `zid` travel, and those of its mirror session."""
+    return f"{PREFIX}/trial/{zid}/marker"
+
+
 def status(robot: str) -> str:
     """Where the daemon answers its own robot with its status (app side only)."""
     return f"{PREFIX}/{robot}/status"

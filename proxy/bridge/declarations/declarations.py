@@ -7,13 +7,14 @@ import zenoh
 
 from proxy.bridge.declarations.echoes import Echoes
 from proxy.bridge.declarations.gone import gone
+from proxy.bridge.declarations.markers import Job, Markers
 from proxy.bridge.declarations.mirror_session import MirrorSession
 from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
 from proxy.bridge.declarations.query_options import QueryOptions, options_of
 from proxy.bridge.declarations.table import DeclarationTable
 from proxy.bridge.declarations.wire import Kind
 from proxy.bridge.declarations.witnesses import Witnesses
-from proxy.bridge.keys import CROSSING, INGRESS
+from proxy.bridge.keys import CROSSING, INGRESS, marker
 
 
 class Declarations:
@@ -43,6 +44,7 @@ class Declarations:
         self._echoes = Echoes() if mode == "client" else None
         self.session = self._mirror.session
         """Declares what mirrors the other side: what it declares itself it is not told."""
+        self._markers = Markers(main, self.session, marker(str(main.zid())))
 
     @property
     def edition(self) -> int:
@@ -112,7 +114,16 @@ class Declarations:
         """Return the attachment with which `sample` is to be replied, so that the reply has its source info too."""
         return self._mirror.attachment_of(sample)
 
+    def after_told(self, job: Job) -> None:
+        """Call `job` when the table has all that is declared to the main session by now."""
+        self._markers.after_told(job)
+
+    def after_taken(self, job: Job) -> None:
+        """Call `job` when the main session knows of all that `session` has declared by now, and tells of it first."""
+        self._markers.after_taken(job)
+
     def close(self) -> None:
         """Take back everything that was declared with `session`."""
+        self._markers.close()
         self._witnesses.close()
         self._mirror.close()

@@ -1,0 +1,261 @@
+"""Samples that must not overtake what was declared before them."""
+
+import threading
+import types
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+import zenoh
+
+from proxy.bridge import barrier as barrier_module
+from proxy.bridge import bounds
+from proxy.bridge.barrier import Barrier
+from proxy.bridge.fence import Fence
+from proxy.bridge.tuning import TUNING
+from tests.proxy.bridge import robots
+from tests.proxy.bridge.robots import observes, wait_interest
+from tests.proxy.nodes import Heard
+from tests.waiting import wait_until
+
+PATIENCE = 60.0
+"""So long an application waits that would wait for ever [s]."""
+
+
+class Side:
+    """A side, and an executor, whose jobs are done when the test says so."""
+
+    def __init__(self):
+        self.jobs: list[Callable[[], object]] = []
+        self.after_told = self.after_taken = self.insist = self.jobs.append
+
+    def do(self):
+        """Do what waits now; return how much that was."""
+        jobs, self.jobs[:] = list(self.jobs), []
+        for job in jobs:
+            job()
+        return len(jobs)
+
+
+class Bench:
+    """A barrier between two sides, whose samples leave a mark when they go."""
+
+    def __init__(self):
+        self.near, self.far, self.executor = Side(), Side(), Side()
+        self.fence = Fence(lambda: None)
+        self.barrier = Barrier(self.near, self.far, self.fence, self.executor)
+        self.went: list[str] = []
+
+    def comes(self, now, key, *, ordered=True, size=1):
+        """A sample comes; whether it goes at once."""
+        quiet = self.barrier.holds(key, now, ordered=ordered)
+        if quiet is None:
+            self.went.append(key)
+            return True
+        self.barrier.hold(key, now, size, lambda: self.went.append(key), quiet=quiet)
+        return False
+
+    def look(self):
+        """Mirror what is declared."""
+        self.fence.begin()
+        self.fence.end()
+
+    def round(self):
+        """Bring the round that is under way to its end."""
+        self.near.do()
+        self.look()
+        self.far.do()
+        self.executor.do()
+
+
+@pytest.fixture
+def bench():
+    """Streams have come for a while."""
+    made = Bench()
+    for key in ("stream", "covered"):
+        made.comes(0.0, key)
+        made.round()
+    made.went.clear()
+    return made
+
+
+def test_a_sample_of_a_quiet_key_waits_until_all_that_was_declared_before_is_mirrored(bench):
+    """Told, mirrored, and taken in: each of these comes after the one before."""
+    assert not bench.comes(0.1, "start")
+    steps = [bench.near.do, bench.look, bench.far.do]
+    for step in steps:
+        assert bench.executor.do() == 0
+        step()
+    assert bench.went == []
+    bench.executor.do()
+    assert bench.went == ["start"]
+    assert bench.comes(0.2, "start")
+
+
+def test_what_comes_behind_it_waits_with_it_but_for_what_goes_in_no_order(bench):
+    """Covered streams are not held up, and samples of one key stay in order."""
+    assert not bench.comes(0.1, "start")
+    assert not bench.comes(0.1, "stream")
+    assert bench.comes(0.1, "covered", ordered=False)
+    assert not bench.comes(0.1, "start", ordered=False)
+    bench.near.do()
+    bench.look()
+    bench.far.do()
+    assert not bench.comes(0.1, "stream"), "those before it are about to go"
+    bench.executor.do()
+    assert bench.went == ["covered", "start", "stream", "start", "stream"]
+    assert bench.comes(0.2, "stream")
+
+
+def test_each_sample_of_a_quiet_key_has_a_round_that_began_after_it_came(bench):
+    """What was declared between two may not be in the round of the first."""
+    bench.comes(0.1, "start")
+    bench.near.do()
+    bench.comes(0.1, "other")
+    bench.look()
+    bench.far.do()
+    bench.executor.do()
+    assert bench.went == ["start"]
+    bench.round()
+    assert bench.went == ["start", "other"]
+
+
+def test_a_round_that_takes_too_long_holds_nothing_any_more(bench):
+    """Nor is anything held for a while; what comes of that round later changes nothing."""
+    bench.comes(0.1, "start")
+    assert bench.barrier.check(0.1) == 0.1 + TUNING.barrier_wait
+    end = bench.barrier.check(0.1)
+    assert bench.barrier.check(end) is None
+    bench.executor.do()
+    assert bench.went == ["start"]
+    assert bench.comes(end, "other")
+    bench.round()
+    later = end + TUNING.barrier_rest
+    assert not bench.comes(later, "third")
+    bench.round()
+    assert bench.went == ["start", "other", "third"]
+
+
+def test_whoever_comes_finds_that_a_round_takes_too_long(bench):
+    """That matters where nobody looks for long."""
+    bench.comes(0.1, "start")
+    bench.comes(0.1 + TUNING.barrier_wait, "stream")
+    bench.executor.do()
+    assert bench.went == ["start", "stream"]
+
+
+@pytest.mark.parametrize(("field", "size"), [("held_samples", 1), ("held_bytes", 1000)])
+def test_no_more_is_held_than_there_is_room_for(bench, monkeypatch, field, size):
+    """The rest goes at once."""
+    monkeypatch.setattr(barrier_module, "BOUNDS", replace(bounds.BOUNDS, **{field: 3 * size}))
+    assert [bench.comes(0.1, f"key/{number}", size=size) for number in range(5)] == [False] * 3 + [True] * 2
+    bench.round()
+    bench.round()
+    assert len(bench.went) == 5
+    assert not bench.comes(0.2, "key/6")
+
+
+def test_behind_a_sample_that_nobody_takes_nothing_is_held(bench, monkeypatch):
+    """An application hangs: whoever brings samples is held up by it himself, as without a barrier."""
+    times = iter([0.1, 0.2, 0.3])
+    monkeypatch.setattr(barrier_module, "clock", types.SimpleNamespace(monotonic=lambda: next(times)))
+
+    def hang():
+        assert not bench.comes(0.3, "stream")
+        assert bench.comes(0.3 + 1.01 * TUNING.barrier_wait, "stream")
+
+    quiet = bench.barrier.holds("start", 0.1, ordered=True)
+    bench.barrier.hold("start", 0.1, 1, hang, quiet=quiet)
+    bench.near.do()
+    bench.look()
+    bench.far.do()
+    bench.executor.do()
+    assert bench.went == ["stream"]
+
+
+def test_a_barrier_that_is_closed_holds_nothing(bench):
+    """And what it held goes, for nothing is mirrored any more."""
+    bench.comes(0.1, "start")
+    bench.comes(0.1, "stream")
+    bench.barrier.close()
+    assert bench.went == ["start", "stream"]
+    assert bench.comes(9.0, "later")
+
+
+def test_a_sample_that_cannot_go_holds_nothing_up(bench):
+    """Its place is free again."""
+    quiet = bench.barrier.holds("start", 0.1, ordered=True)
+    bench.barrier.hold("start", 0.1, 1, lambda: 1 / 0, quiet=quiet)
+    with pytest.raises(ZeroDivisionError):
+        bench.round()
+    assert bench.comes(0.2, "stream")
+
+
+def test_no_more_keys_are_remembered_than_there_is_room_for(bench, monkeypatch):
+    """Those that were are quiet again."""
+    monkeypatch.setattr(barrier_module, "BOUNDS", replace(bounds.BOUNDS, keys=3))
+    for number in range(3):
+        bench.comes(0.1, f"key/{number}")
+    bench.round()
+    assert not bench.comes(0.2, "stream")
+
+
+@pytest.fixture
+def pair(stack, tmp_path, monkeypatch):
+    """Two robots on which no round is given up, however busy the machine is."""
+    monkeypatch.setattr(barrier_module, "TUNING", replace(TUNING, barrier_wait=PATIENCE))
+    return robots.team(stack, tmp_path, size=2)
+
+
+ROUNDS = 20
+
+
+def test_who_subscribes_and_then_asks_for_a_sample_gets_it(pair):
+    """The sample that asks for it does not overtake the subscription on its way to whoever answers."""
+    here, there = pair[1].node(), pair[0].node()
+    answers = zenoh.handlers.Callback(lambda sample: there.put(str(sample.payload), "x"), indirect=False)
+    asked = there.declare_subscriber("ask/**", answers)
+    wait_interest(pair[0], pair[1], keys=("ask/**",))
+    for number in range(ROUNDS):
+        heard = Heard(here, f"answer/{number}")
+        here.put(f"ask/{number}", f"answer/{number}")
+        wait_until(lambda heard=heard: heard.samples, what=f"answer {number}")
+        heard.subscriber.undeclare()
+    asked.undeclare()
+
+
+@pytest.mark.parametrize("kind", ["queryable", "token"])
+def test_who_hears_that_something_is_there_finds_it(pair, kind):
+    """A service, or a token, of which its own robot says in a sample that it is there."""
+    here, there = pair[1].node(), pair[0].node()
+    found: list[bool] = []
+    asked = threading.Semaphore(0)
+
+    def seek(number: str) -> None:
+        session = here.liveliness() if kind == "token" else here
+        found.append(any(reply.ok for reply in session.get(f"thing/{number}", timeout=PATIENCE)))
+        asked.release()
+
+    def hear(sample: zenoh.Sample) -> None:
+        threading.Thread(target=seek, args=(sample.payload.to_string(),)).start()
+
+    subscriber = here.declare_subscriber("ready/**", zenoh.handlers.Callback(hear, indirect=False))
+    wait_until(lambda: observes(pair[0], "ready/**"), what="whoever wants to know")
+    for number in range(ROUNDS):
+        thing = _declared(there, kind, f"thing/{number}")
+        there.put(f"ready/{number}", f"{number}")
+        assert asked.acquire(timeout=PATIENCE)
+        thing.undeclare()
+    subscriber.undeclare()
+    assert found == [True] * ROUNDS
+
+
+def _declared(session, kind, key):
+    if kind == "token":
+        return session.liveliness().declare_token(key)
+
+    def answer(query):
+        with query:
+            query.reply(key, "here")
+
+    return session.declare_queryable(key, zenoh.handlers.Callback(answer, indirect=False))
