@@ -54,7 +54,8 @@ class Barrier:
         """The numbers of the last round that began, and of the last one that is over."""
         self._until = math.inf
         """When the round that has begun is given up [s]."""
-        self._rests_until = -math.inf
+        self._rest, self._rests_until = TUNING.barrier_rest, -math.inf
+        """How long no sample is held after the next round that is given up, and until when none is now [s]."""
         self._going_since = math.inf
         """Since when the sample that goes now does [s]: who takes it may hang."""
 
@@ -94,7 +95,8 @@ class Barrier:
         """Give up a round that takes too long; return when to look again [s], if it matters."""
         with self._lock:
             if now >= self._until:
-                self._rests_until = now + TUNING.barrier_rest
+                self._rests_until = now + self._rest
+                self._rest = min(2.0 * self._rest, TUNING.longest_barrier_rest)
                 self._begun += 1  # so that it is another one that is over
                 self._end(self._begun, now)
         return None if self._until == math.inf else self._until
@@ -116,6 +118,7 @@ class Barrier:
     def _taken(self, number: int) -> None:
         now = clock.monotonic()
         with self._lock:
+            self._rest = TUNING.barrier_rest
             begins = self._end(number, now)
         if begins:
             self._near.after_told(partial(self._told, begins))

@@ -113,7 +113,9 @@ class BridgeTuning:
     """It waits no longer than this until what was declared before it is mirrored [s]. That takes 2 ms, and took less
     than 0.1 s for 95 of 100 with thirty processes that wanted the two cores."""
     barrier_rest: float = 5.0
-    """Where that was too short, no sample waits for so long [s]: the daemon has too much to mirror."""
+    """Where that was too short, no sample waits for so long [s]: the daemon has too much to mirror..."""
+    longest_barrier_rest: float = 600.0
+    """... and for twice as long each time, up to this, where it always is: access control may not let markers pass."""
 
     # Samples on their way to the mesh
     stamp_mismatch: float = 1.0

@@ -136,6 +136,24 @@ def test_a_round_that_takes_too_long_holds_nothing_any_more(bench):
     assert bench.went == ["start", "other", "third"]
 
 
+def test_where_no_round_comes_to_its_end_samples_are_held_ever_more_seldom(bench):
+    """Access control may not let markers pass. One that does come to its end makes up for all that did not."""
+    now = 0.1
+    for number in range(10):
+        assert not bench.comes(now, f"key/{number}")
+        now = bench.barrier.check(now)
+        bench.barrier.check(now)
+        bench.executor.do()
+        rest = min(TUNING.barrier_rest * 2.0**number, TUNING.longest_barrier_rest)
+        assert bench.comes(now + 0.99 * rest, f"late/{number}")
+        now += rest
+    bench.round()
+    bench.comes(now, "key")
+    now = bench.barrier.check(now)
+    bench.barrier.check(now)
+    assert not bench.comes(now + TUNING.barrier_rest, "another")
+
+
 def test_whoever_comes_finds_that_a_round_takes_too_long(bench):
     """That matters where nobody looks for long."""
     bench.comes(0.1, "start")
