@@ -7,15 +7,15 @@ what daemons say of themselves only from the one whose name the certificate has.
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from proxy.bridge.keys import PREFIX
+from proxy.bridge.keys import OF_PLUGINS, PREFIX
 
 ALL = (
     *("put", "delete", "query", "reply", "declare_subscriber", "declare_queryable"),
     *("liveliness_token", "liveliness_query", "declare_liveliness_subscriber"),
 )
 """Everything that Zenoh has rules for."""
-DATA = ("**", "**/@adv/**", "@ros2_lv/**")
-"""What applications say: keys without chunks that begin with `@`, those of advanced publishers and of ROS 2."""
+DATA = ("**", "**/@adv/**", "@ros2_lv/**", *OF_PLUGINS)
+"""What applications say: keys without chunks that begin with `@`, those of advanced publishers, ROS 2 and bridges."""
 COPIES = (f"{PREFIX}/*/kept/**", f"{PREFIX}/*/backlog/*")
 """What goes to one robot alone; the session that it goes to is in the key, and who sends it is not."""
 TOLD = ("alive", "state", "digest")

@@ -7,12 +7,16 @@ import zenoh
 
 PREFIX = "@sendworthy"
 
-CROSSING = ("**", "**/@adv/**", "@ros2_lv/**")
-"""What crosses when it cannot be followed who subscribes to what: keys without verbatim chunks, which `**` matches, and
-those of advanced pub/sub and of ROS 2."""
+OF_PLUGINS = ("@/*/@ros2_lv/**", "@/*/@mavlink/**")
+"""What Zenoh's bridges for DDS and MAVLink tell each other of."""
+
+CROSSING = ("**", "**/@adv/**", "@ros2_lv/**", *OF_PLUGINS)
+"""What crosses when it cannot be followed who subscribes to what: keys without verbatim chunks, which `**` matches,
+those of advanced pub/sub and of ROS 2, and those of bridges."""
 
 INGRESS = ("*/**", "**/@adv/*/**", "@ros2_lv/*/**")
-"""The same on the app side, in words that few apps use: so our own subscriptions are told from an app's `**`."""
+"""The same for samples on the app side, in words that few apps use: so our own subscriptions are told from an app's
+`**`. Of bridges only the tokens have such keys."""
 
 _ON_AIR = tuple(map(zenoh.KeyExpr, INGRESS))
 
@@ -132,6 +136,11 @@ def crosses(expression: str) -> bool:
     """Whether declarations on `expression` are mirrored: all but ours and those of Zenoh's admin space.
 
     Through connected routers an app can ask another robot's router for its admin space. Here it does not cross: a
-    router that answers while something is declared to it blocks for ever, and no robot should do that to another.
+    router that answers while something is declared to it blocks for ever, and no robot should do that to another. What
+    plugins of Zenoh declare below a verbatim chunk of their own there, such as the tokens of a bridge for ROS 2 over
+    DDS, no router answers for.
     """
-    return not {PREFIX, "@"}.intersection(expression.split("/"))
+    chunks = expression.split("/")
+    if PREFIX in chunks:
+        return False
+    return "@" not in chunks or (chunks[0] == "@" and "@" not in chunks[1:] and "".join(chunks[2:3]).startswith("@"))

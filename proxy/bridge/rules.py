@@ -2,8 +2,8 @@
 
 *Out* is what this robot offers: samples, deletes, the answers of its queryables, its liveliness tokens. *In* is what
 others offer and this robot takes. A rule speaks of a key and of what accompanies it: the verbatim keys of advanced
-pub/sub behind it (`<key>/@adv/…`) and the tokens of its ROS 2 publishers, subscribers, services and clients. `**` alone
-stands for every key, those with verbatim chunks too.
+pub/sub behind it (`<key>/@adv/…`) and the tokens of its ROS 2 publishers, subscribers, services and clients, be they of
+`rmw_zenoh` or of Zenoh's bridge for DDS. `**` alone stands for every key, those with verbatim chunks too.
 """
 
 import logging
@@ -30,6 +30,10 @@ ADVANCED = "/@adv/"
 ROS_TOKEN = "@ros2_lv"  # noqa: S105 - not a password
 ROS_TOKEN_CHUNKS = 13
 """`@ros2_lv/domain/session/node id/id/kind/enclave/namespace/node/topic/type/hash/qos`, slashes in names as `%`."""
+BRIDGED_TOKEN_CHUNKS = 5
+"""`@/session/@ros2_lv/kind/key/type` of Zenoh's bridge for ROS 2 over DDS, and `qos` of topics, slashes as `§`."""
+TAKERS = frozenset({"MS", "SC", "AC"})
+"""The kinds of subscribers and clients."""
 
 
 class Verdict(Enum):
@@ -58,11 +62,13 @@ def companion(expression: str) -> Companion | None:
     if advanced:
         return Companion(key, rest.startswith("sub/"))
     chunks = expression.split("/")
+    if chunks[0] == "@" and chunks[2:3] == [ROS_TOKEN] and len(chunks) > BRIDGED_TOKEN_CHUNKS:
+        return Companion(chunks[4].replace("§", "/"), chunks[3] in TAKERS)
     if chunks[0] != ROS_TOKEN or len(chunks) != ROS_TOKEN_CHUNKS:
         return None
     domain, kind, (topic, *type_and_hash) = chunks[1], chunks[5], chunks[9:12]
     name = topic.replace("%", "/").strip("/")
-    return Companion("/".join((domain, name, *type_and_hash)), kind in {"MS", "SC"})
+    return Companion("/".join((domain, name, *type_and_hash)), kind in TAKERS)
 
 
 class Expressions:

@@ -51,7 +51,23 @@ def test_ingress_receives_every_key_that_crosses_in_words_of_its_own():
 
 def test_what_concerns_sessions_and_daemons_themselves_does_not_cross():
     """The admin space and our own keys stay, in whatever chunk they begin; other verbatim chunks cross."""
-    for expression in ("@/**", "@/abc/router", "@sendworthy/r1/status", "**/@sendworthy/**", "**/@/**"):
+    for expression in ("@/**", "@/abc/router", "@sendworthy/r1/status", "**/@sendworthy/**", "**/@/**", "@"):
+        assert not keys.crosses(expression)
+    for expression in (
+        "@/*/**",
+        "@/abc",
+        "@/abc/router/@x",
+        "a/@/abc/@x",
+        "@/@/@x",
+        "@/abc/@x/@/b",
+        "@/abc/@x/@sendworthy",
+    ):
         assert not keys.crosses(expression)
     for expression in ("@adv/a", "a/@x/**", "@sendworthyish/a", "@ros2_lv/**"):
+        assert keys.crosses(expression)
+
+
+def test_what_plugins_of_zenoh_tell_each_other_of_crosses():
+    """The tokens of bridges stand in the admin space, below a verbatim chunk: no router answers for them."""
+    for expression in ("@/abc/@ros2_lv", "@/abc/@ros2_lv/MP/chatter/std_msgs§msg§String/:::", "@/*/@mavlink/**"):
         assert keys.crosses(expression)

@@ -86,6 +86,10 @@ def test_companions_are_found():
     for kind, takes in (("MP", False), ("SS", False), ("MS", True), ("SC", True)):
         assert companion(NAME.format(kind=kind)) == Companion("0/r1/rosout/Log_/RIHS01_a", takes)
     assert companion("@ros2_lv/0/zid/0/0/NN/%/%/talker") is None
+    for kind, takes in (("MP", False), ("SS", False), ("AS", False), ("MS", True), ("SC", True), ("AC", True)):
+        bridged = f"@/zid/@ros2_lv/{kind}/r1§chatter/std_msgs§msg§String"
+        assert companion(bridged) == companion(f"{bridged}/:::") == Companion("r1/chatter", takes)
+    assert companion("@/zid/@ros2_lv") is None
     assert companion("a/b") is None
 
 

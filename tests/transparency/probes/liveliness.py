@@ -35,9 +35,11 @@ def comes_and_goes(team):
 
 @feature(GROUP, "tokens with verbatim chunks")
 def verbatim(team):
-    """Tokens `@alive/b` and `alive/@b`, watched by name and by `@alive/*`."""
+    """Tokens `@alive/b`, `alive/@b` and one of a bridge for DDS, watched by name, by `@alive/*` and as bridges do."""
     seen = {}
-    for key, token in (("@alive/b", "@alive/b"), ("@alive/*", "@alive/b"), ("alive/@b", "alive/@b")):
+    bridged = "@/b/@ros2_lv/MP/chatter/std_msgs§msg§String/:::"
+    watched = (("@alive/b", "@alive/b"), ("@alive/*", "@alive/b"), ("alive/@b", "alive/@b"))
+    for key, token in (*watched, ("@/*/@ros2_lv/**", bridged)):
         seen |= {f"{token} watched as {key}: {what}": told for what, told in came_and_went(team, key, token).items()}
     return seen
 
