@@ -33,15 +33,24 @@ class RecordingFolder:
                 return path
 
     def _make(self, room: int) -> None:
-        """Remove the oldest files, by their names, until there is so much room within the bound."""
+        """Remove the oldest files until there is so much room within the bound.
+
+        Names tell which is older, but those of this recording come last: a robot that boots without a clock calls it the
+        oldest of all.
+        """
         sizes = dict[Path, int]()
         for path in self.path.iterdir():
             if self._own.fullmatch(path.name):
                 with suppress(FileNotFoundError):
                     sizes[path] = path.stat().st_size
         used = sum(sizes.values())
-        for path in sorted(sizes, key=lambda path: (path.name.rsplit("-", 2)[1], len(path.name), path.name)):
+        for path in sorted(sizes, key=self._age):
             if used + room <= self._disk:
                 return
             path.unlink(missing_ok=True)
             used -= sizes[path]
+
+    def _age(self, path: Path) -> tuple[bool, str, int, str]:
+        """Return what sorts the files of the robot, the oldest first."""
+        recording, began, _ = path.name.rsplit("-", 2)
+        return f"{recording}-{began}" == self._stem, began, len(path.name), path.name

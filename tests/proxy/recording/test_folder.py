@@ -29,3 +29,14 @@ def test_the_oldest_files_give_way(tmp_path):
         "r1-b-19600101T000000Z-0001.mcap",
         "r2-19600101T000000Z-0001.mcap",
     ]
+
+
+def test_files_of_this_recording_give_way_last(tmp_path):
+    """A robot that boots without a clock records with the times of 1970: its recordings of before are older all the same."""
+    before = tmp_path / "r1-20260101T000000Z-0001.mcap"
+    before.write_bytes(bytes(400))
+    folder = RecordingFolder(tmp_path, "r1", 1000, 0.0)
+    first = folder.next(400)
+    first.write_bytes(bytes(400))
+    folder.next(400)
+    assert (first.exists(), before.exists()) == (True, False)
