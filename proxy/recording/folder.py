@@ -35,8 +35,8 @@ class RecordingFolder:
     def _make(self, room: int) -> None:
         """Remove the oldest files until there is so much room within the bound.
 
-        Names tell which is older, but those of this recording come last: a robot that boots without a clock calls it the
-        oldest of all.
+        Names tell which are older, but files of this recording come last: a robot that boots without a clock names them
+        as the oldest of all.
         """
         sizes = dict[Path, int]()
         for path in self.path.iterdir():

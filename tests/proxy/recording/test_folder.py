@@ -32,7 +32,7 @@ def test_the_oldest_files_give_way(tmp_path):
 
 
 def test_files_of_this_recording_give_way_last(tmp_path):
-    """A robot that boots without a clock records with the times of 1970: its recordings of before are older all the same."""
+    """A robot that boots without a clock names them after 1970: its recordings of before are older all the same."""
     before = tmp_path / "r1-20260101T000000Z-0001.mcap"
     before.write_bytes(bytes(400))
     folder = RecordingFolder(tmp_path, "r1", 1000, 0.0)
