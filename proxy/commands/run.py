@@ -5,6 +5,7 @@ import gc
 import logging
 import os
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -103,7 +104,7 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
     finally:
         lost.close()
     code = exit_codes.BROKEN if lost.any else exit_codes.OK
-    if not closed:  # a thread that comes back from Zenoh while the interpreter ends would abort the process
+    if not closed or others_run():  # a thread that returns from Zenoh or a search as Python ends aborts the process
         logging.shutdown()
         os._exit(code)
     return code
@@ -144,6 +145,11 @@ def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read
         service.stopping()
         closed = daemon.stop()
     return closed
+
+
+def others_run() -> bool:
+    """Whether another thread goes on: a daemon with too much to do does not wait for all of it when it stops."""
+    return any(thread is not threading.current_thread() for thread in threading.enumerate())
 
 
 def look(reloading: Reloading, notices: Notices) -> bool:

@@ -31,6 +31,33 @@ def test_a_signal_stops_the_daemon_cleanly(start, number):
     assert any(f"stopping on {number.name}" in line for line in daemon.lines)
 
 
+BUSY = """
+import sys
+from planner import SearchSettings, start
+from proxy.cli import main
+from proxy.loop import Loop
+from tests.planner.windows import window
+
+run, problem = Loop._run, window(1)
+
+def busy(self):
+    run(self)
+    while True:
+        start(problem, SearchSettings(engine="native"), 1).run(100)
+
+Loop._run = busy
+sys.exit(main())
+"""
+
+
+def test_a_busy_daemon_ends_cleanly(start):
+    """Its loop, that still searches when it stops, aborts nothing, and nothing is said of what it has in hand."""
+    daemon = start("--robot", "r1", program=("-c", BUSY))
+    daemon.wait_for("sendworthy ")
+    assert daemon.end() == exit_codes.OK
+    assert not [line for line in daemon.lines if "leaked" in line]
+
+
 def test_the_start_is_one_line_with_everything(start, tmp_path):
     """The log says who runs where, in which mode, with which specs; threads are few, Zenoh's are given by number."""
     specs = specs_file(tmp_path)
