@@ -148,6 +148,21 @@ def test_from_its_installation_to_its_end(debian, package, talk, tmp_path):
     assert debian.run("id", "sendworthy").returncode == 0
 
 
+def test_the_folder_of_specs_stays_as_an_operator_has_it(debian, package):
+    """An upgrade leaves it to those who may write there, and is done though it is a link that leads nowhere."""
+    there, specs = debian.take(package), f"{STATE}/specs.d"
+    debian.dpkg("--install", there)
+    debian.run("chown", "root:adm", specs)
+    debian.run("chmod", "2775", specs)
+    debian.dpkg("--install", there)
+    assert debian.run("stat", "--format=%U %G %a", specs).stdout == "root adm 2775\n"
+    debian.run("rmdir", specs)
+    debian.run("ln", "-s", "/srv/specs", specs)
+    debian.dpkg("--install", there)
+    wait_until(lambda: debian.property("ActiveState") == "active", what="the daemon")
+    assert debian.run("readlink", specs).stdout == "/srv/specs\n"
+
+
 def test_all_of_it_is_installed(debian, package):
     """Both engines, manual page, completion, licences; all libraries are found, and nothing is written to it later."""
     debian.dpkg("--install", debian.take(package))
