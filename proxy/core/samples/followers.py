@@ -31,6 +31,8 @@ class Followers:
         self._leaders: dict[int, _Entry] = {}
         self._following: dict[int, list[_Entry]] = {}
         """Those that rest behind each leader."""
+        self._keys: dict[str, dict[Place, int]] = {}
+        """The same by key: the place of each, and the number of its leader."""
 
     def __bool__(self) -> bool:
         return bool(self._leaders)
@@ -51,7 +53,10 @@ class Followers:
         """Of those whose leaders left, the ones that lead now may be taken."""
         for number in [number for number in self._leaders if number not in self._inbox]:
             del self._leaders[number]
-            for entry in sorted(self._following.pop(number, ())):
+            followed = sorted(self._following.pop(number, ()))
+            for entry in followed:
+                self._forget(entry)
+            for entry in followed:
                 if self._inbox.rests_until(entry.place[-1]) is not None and self._follow(entry) is None:
                     self._inbox.wake_one(entry.place[-1])
                     self._leaders[entry.place[-1]] = entry._replace(opens_at=-math.inf)
@@ -60,13 +65,32 @@ class Followers:
         """Nobody follows anybody any more."""
         self._leaders.clear()
         self._following.clear()
+        self._keys.clear()
 
     def _follow(self, entry: _Entry) -> _Entry | None:
+        number = self._leader_of(entry)
+        if number is None:
+            return None
+        self._following.setdefault(number, []).append(entry)
+        self._keys.setdefault(entry.key, {})[entry.place] = number
+        return self._leaders[number]
+
+    def _leader_of(self, entry: _Entry) -> int | None:
+        """Return the number of the sample behind which one rests: one of its key, or that which such a one follows."""
+        for place, number in self._keys.get(entry.key, {}).items():
+            if place < entry.place and number in self._leaders and self._inbox.rests_until(place[-1]) is not None:
+                return number
         for number, leader in self._leaders.items():
             if leader.place < entry.place and (leader.key == entry.key or _finds_no_more(entry, leader)):
-                self._following.setdefault(number, []).append(entry)
-                return leader
+                return number
         return None
+
+    def _forget(self, entry: _Entry) -> None:
+        """One follows nobody any more."""
+        same = self._keys.get(entry.key, {})
+        same.pop(entry.place, None)
+        if not same:
+            self._keys.pop(entry.key, None)
 
 
 def _finds_no_more(entry: _Entry, leader: _Entry) -> bool:

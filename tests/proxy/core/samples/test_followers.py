@@ -51,6 +51,19 @@ def test_what_comes_later_of_a_key_follows_however_it_stands_and_however_small_i
     assert rests(inbox, followers, 3, 10, kind="other") is None
 
 
+def test_what_comes_later_of_a_key_waits_for_one_that_follows_another_key(inbox, followers):
+    """However it stands: alone it would find room before the one that it comes after."""
+    assert rests(inbox, followers, 1, 100) is None
+    assert rests(inbox, followers, 2, 100, key="k") == 5.0
+    assert rests(inbox, followers, 3, 10, kind="other", key="k") == 5.0
+    inbox.wake_one(1)
+    inbox.take()
+    followers.release()
+    assert (inbox.take().sample, inbox.take()) == (2, None)
+    followers.release()
+    assert inbox.take().sample == 3
+
+
 def test_when_its_leader_has_left_it_may_be_taken(inbox, followers):
     """The first one of those that followed leads the others, as far as they are no smaller."""
     for number, size in ((1, 100), (2, 120), (3, 130), (4, 110)):
