@@ -77,8 +77,8 @@ class Followers:
 
     def _leader_of(self, entry: _Entry) -> int | None:
         """Return the number of the sample behind which one rests: one of its key, or that which such a one follows."""
-        for place, number in self._keys.get(entry.key, {}).items():
-            if place < entry.place and number in self._leaders and self._inbox.rests_until(place[-1]) is not None:
+        for at, number in self._keys.get(entry.key, {}).items():
+            if at < entry.place and number in self._leaders and self._inbox.rests_until(at[-1]) is not None:
                 return number
         for number, leader in self._leaders.items():
             if leader.place < entry.place and (leader.key == entry.key or _finds_no_more(entry, leader)):
