@@ -260,7 +260,7 @@ class Daemon:
             why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
             switch=self._ordered,
             profile=profiler.start,
-            specs=lambda: _described(self._live.runtime.specs),
+            specs=lambda: _described(self._live.runtime.specs, self.reloading.loaded.specs),
         )
         opening.callback(control.close)
         recording = RecordingControl(sides.app, self.robot, executor, self._loop.order, self.recording)
@@ -290,9 +290,10 @@ class Daemon:
         opening.callback(fleet.close)
 
 
-def _described(specs: Specs) -> dict[str, Any]:
-    """Return specs with the text of their files by name."""
-    return {"generation": specs.generation, "files": dict(specs.texts)}
+def _described(specs: Specs, read: Specs) -> dict[str, Any]:
+    """Return specs with the text of their files by name, as they were `read` last: comments alone make no others."""
+    texts = read.texts if read.generation == specs.generation else specs.texts
+    return {"generation": specs.generation, "files": dict(texts)}
 
 
 def _secret(config: Config) -> str:

@@ -12,6 +12,7 @@ import pytest
 
 from proxy import exit_codes
 from proxy.cli import main
+from proxy.commands.client import connected
 from proxy.commands.run import settle, started
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig
 from tests.daemons import specs_file
@@ -276,6 +277,18 @@ def test_systemd_hears_what_it_waits_for(start, tmp_path):
         assert daemon.status()["specs"] in ready
         daemon.process.send_signal(signal.SIGTERM)
         assert told("STOPPING=1")
+
+
+def test_the_text_of_specs_is_told_as_it_stands_in_their_files(start, tmp_path):
+    """Whoever edits it elsewhere, as with the page, takes away no comment that came meanwhile."""
+    specs = specs_file(tmp_path)
+    daemon = start("--robot", "r1", "--specs.path", str(specs))
+    daemon.wait_for("sendworthy ")
+    with connected(daemon.endpoint) as client:
+        before = client.specs("r1")
+        specs.write_text(f"# As agreed.\n{specs.read_text()}")
+        daemon.wait_for("files changed")
+        assert client.specs("r1") == (before[0], {specs.name: specs.read_text()})
 
 
 def test_what_is_there_at_the_start_is_never_looked_through_again():
