@@ -66,6 +66,7 @@ class Scouted:
     def __init__(self, configured: str) -> None:
         self._configured = configured
         self._taken = self._usable()
+        self._addresses = {name: _address(name) for name in self._taken}
 
     def warnings(self) -> list[str]:
         """Say where robots are not looked for, and what to do."""
@@ -73,6 +74,10 @@ class Scouted:
         if late:
             names = " and ".join(late)
             return [f"mesh.interface: {names} came up after the daemon did; to find robots there, restart it"]
+        for name, before in sorted(self._addresses.items()):
+            now = _address(name)
+            if before and now and now != before:
+                return [f"mesh.interface: {name} had {before} and has {now} now; to find robots, restart the daemon"]
         if not self._taken:
             which = "no interface" if self._configured == AUTO else f'no interface "{self._configured}" with an address'
             return [f"mesh.interface: there is {which}, so no robots are found; restart the daemon when there is one"]
@@ -85,6 +90,12 @@ class Scouted:
         known = {name for _, name in socket.if_nameindex()}
         named = set(self._configured.split(","))
         return {name for name in named if _has_address(name) or (name not in known and _is_address(name))}
+
+
+def _address(interface: str) -> str:
+    """Return the address of an interface; nothing where it has none."""
+    answer = _asked(_READ_ADDRESS, interface)
+    return "" if answer is None else socket.inet_ntoa(answer[20:24])
 
 
 def _has_address(interface: str) -> bool:

@@ -54,6 +54,16 @@ def test_an_interface_that_comes_up_later_is_named(monkeypatch):
     assert Scouted("auto").warnings() == Scouted("wlan0").warnings() == Scouted("10.0.0.7").warnings() == []
 
 
+def test_an_interface_with_another_address_is_named(monkeypatch):
+    """As after another lease: Zenoh looks for robots from the address that was there when its session opened."""
+    scouted = Scouted("lo")
+    monkeypatch.setattr(radio, "_address", lambda _: "10.0.0.8")
+    (warning,) = scouted.warnings()
+    assert warning == "mesh.interface: lo had 127.0.0.1 and has 10.0.0.8 now; to find robots, restart the daemon"
+    monkeypatch.setattr(radio, "_address", lambda _: "")
+    assert scouted.warnings() == []
+
+
 def test_loopback_has_an_address_and_no_other_interface_is_made_up():
     """The kernel is asked, about names of any length."""
     assert Scouted("lo").warnings() == []
