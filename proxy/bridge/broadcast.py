@@ -3,7 +3,7 @@
 Broadcast is a Zenoh peer with nothing but a multicast endpoint: one transmission reaches every robot. Nothing is
 acknowledged, repeated, encrypted or held back there, and Zenoh knows of nobody's subscriptions. So all else stays on
 the mesh session: what daemons tell each other, queries, liveliness, who wants what, and the few samples whose keys have
-verbatim chunks that no pattern of ours names.
+verbatim chunks that no pattern of ours names, or are as long as Zenoh takes.
 
 Where two nodes of a group declare the same key expression, Zenoh 1.10 lets them repeat each other's declaration without
 end, and that takes all of the air. So no two robots may subscribe to the same: samples travel below a chunk that each
@@ -23,7 +23,7 @@ from proxy import clock
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.group_socket import GroupSockets
-from proxy.bridge.keys import ALL_DIGESTS, ANNOUNCED, INGRESS, on_air
+from proxy.bridge.keys import ALL_DIGESTS, ANNOUNCED, INGRESS, ON_AIR, on_air
 from proxy.bridge.keys import PREFIX as OWN
 from proxy.bridge.radio import interface_of
 from proxy.bridge.sessions import AT_ONCE, reason_of, zenoh_session
@@ -31,9 +31,6 @@ from proxy.bridge.tuning import TUNING
 from proxy.errors import SessionError
 
 log = logging.getLogger(__name__)
-
-PREFIX = "sendworthy-broadcast-sample"
-"""Above the keys of all samples on the air."""
 
 Hear = Callable[[str, zenoh.Sample], None]
 """Gets a sample, and the key that it was published under."""
@@ -86,14 +83,14 @@ class Broadcast:
     def put(self, key: zenoh.KeyExpr | str, payload: Any, **options: Any) -> None:
         """Publish as `zenoh.Session.put` does."""
         if on_air(str(key)):
-            self._session.put(f"{PREFIX}/{key}", payload, **options)
+            self._session.put(f"{ON_AIR}/{key}", payload, **options)
         else:
             self._mesh.put(key, payload, **options)
 
     def delete(self, key: zenoh.KeyExpr | str, **options: Any) -> None:
         """Delete as `zenoh.Session.delete` does."""
         if on_air(str(key)):
-            self._session.delete(f"{PREFIX}/{key}", **options)
+            self._session.delete(f"{ON_AIR}/{key}", **options)
         else:
             self._mesh.delete(key, **options)
 
@@ -108,7 +105,7 @@ class Broadcast:
 
     def announce(self, key: str, payload: bytes) -> None:
         """Broadcast a digest."""
-        self._session.put(f"{PREFIX}/{key}", payload, **ANNOUNCED)
+        self._session.put(f"{ON_AIR}/{key}", payload, **ANNOUNCED)
 
     def close(self) -> None:
         """Leave the group."""
@@ -149,13 +146,13 @@ class Broadcast:
 
     def _subscribed(self, session: zenoh.Session, key: str) -> Declaration:
         handler = zenoh.handlers.Callback(self._take, indirect=False)
-        prefix = pattern(secrets.randbits(2 * len(PREFIX)))
+        prefix = pattern(secrets.randbits(2 * len(ON_AIR)))
         return session.declare_subscriber(f"{prefix}/{key}", handler, allowed_origin=zenoh.Locality.REMOTE)
 
     def _take(self, sample: zenoh.Sample) -> None:
         attach()
         prefix, _, key = str(sample.key_expr).partition("/")
-        if prefix != PREFIX:
+        if prefix != ON_AIR:
             return
         if not key.startswith(f"{OWN}/"):
             self._hear(key, sample)
@@ -189,15 +186,15 @@ class Broadcast:
 
 
 def pattern(number: int) -> str:
-    """Return a pattern that `PREFIX` matches; numbers of two bits per letter hardly ever give the same one.
+    """Return a pattern that `ON_AIR` matches; numbers of two bits per letter hardly ever give the same one.
 
     Of each letter one bit says whether "$*", which stands for any text, takes its place, the other whether it follows.
     """
     parts = (
         ("$*" if number >> 2 * i & 1 else letter) + ("$*" if number >> 2 * i & 2 else "")
-        for i, letter in enumerate(PREFIX[1:])
+        for i, letter in enumerate(ON_AIR[1:])
     )
-    return PREFIX[0] + re.sub(r"(\$\*)+", "$*", "".join(parts))
+    return ON_AIR[0] + re.sub(r"(\$\*)+", "$*", "".join(parts))
 
 
 def _heard(session: zenoh.Session) -> int:

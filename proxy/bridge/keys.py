@@ -18,6 +18,12 @@ INGRESS = ("*/**", "**/@adv/*/**", "@ros2_lv/*/**")
 """The same for samples on the app side, in words that few apps use: so our own subscriptions are told from an app's
 `**`. Of bridges only the tokens have such keys."""
 
+ON_AIR = "sendworthy-broadcast-sample"
+"""Above the keys of all samples that are broadcast."""
+
+LONGEST = 65_535
+"""Zenoh's longest key [B]. A panic ends the thread that publishes on a longer one."""
+
 _ON_AIR = tuple(map(zenoh.KeyExpr, INGRESS))
 
 ANNOUNCED: Mapping[str, Any] = {
@@ -34,8 +40,15 @@ ALL_ALIVE = f"{PREFIX}/*/alive/*"
 ALL_AT_APPS = f"{PREFIX}/*/app/*"
 
 
+def fits(key: str) -> bool:
+    """Whether Zenoh takes a key as long as this."""
+    return len(key.encode()) <= LONGEST
+
+
 def on_air(key: str) -> bool:
-    """Whether samples of `key` can be broadcast: who listens there names verbatim chunks one by one."""
+    """Whether samples of `key` can be broadcast: it is longer there, and who listens names verbatim chunks."""
+    if not fits(f"{ON_AIR}/{key}"):
+        return False
     return "@" not in key or any(expression.intersects(key) for expression in _ON_AIR)
 
 

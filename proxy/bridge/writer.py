@@ -58,6 +58,9 @@ class Writer:
     def write(self, held: Held, *, droppable: bool) -> bool:
         """Publish a sample; return whether the session took it. What nobody wants need not be published."""
         sample = held.sample
+        key = keys.kept(held.to, held.key) if held.to else None
+        if key is not None and not keys.fits(key):
+            return False
         outlet = None if held.to else self._demand.outlet(held.key)
         if outlet is None and not held.to and self._demand.silent(held.key):
             return True
@@ -69,7 +72,6 @@ class Writer:
                     rest["attachment"] = attachment
                 outlet.publisher.put(sample.payload, encoding=sample.encoding, timestamp=held.stamp, **rest)
             else:
-                key = keys.kept(held.to, held.key) if held.to else None
                 publish(self._session, sample, held.stamp, key, source=held.source, droppable=droppable)
         except (zenoh.ZError, RuntimeError) as error:  # RuntimeError: the publisher is being taken back
             if not self._failing:

@@ -17,7 +17,7 @@ import zenoh
 
 from proxy import clock
 from proxy.bridge import keys, naming
-from proxy.bridge.broadcast import PREFIX, broadcast_options
+from proxy.bridge.broadcast import broadcast_options
 from proxy.bridge.sessions import zenoh_session
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
 from proxy.core.congestion.tuning import TUNING
@@ -461,10 +461,10 @@ def test_a_forged_state_on_the_group_is_not_even_malformed(stack, specs):
     wait_until(lambda: robot.status()["daemon"]["broadcast"]["heard"] == 1, what="the forger")
     heard = Heard(robot.node(), "**")
     wait_until(lambda: robot.status()["daemon"]["subscriptions"] == ["**"], what="the subscription")
-    believed, state = f"{PREFIX}/{keys.digest('r2', 'z2')}", keys.state("r2", "z2")
+    believed, state = f"{keys.ON_AIR}/{keys.digest('r2', 'z2')}", keys.state("r2", "z2")
 
     def forge():
-        for key in (keys.digest("r2", "z2"), state, f"{PREFIX}/{state}", f"{PREFIX}/mark"):
+        for key in (keys.digest("r2", "z2"), state, f"{keys.ON_AIR}/{state}", f"{keys.ON_AIR}/mark"):
             forger.put(key, "forged")
 
     wait_until(lambda: forge() or heard.samples, what="an ordinary sample")

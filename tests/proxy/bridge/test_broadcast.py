@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from proxy.bridge import broadcast as broadcast_module
 from proxy.bridge import keys
-from proxy.bridge.broadcast import PREFIX, Broadcast, broadcast_options, pattern
+from proxy.bridge.broadcast import Broadcast, broadcast_options, pattern
 from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sessions import zenoh_session
 from proxy.bridge.tuning import TUNING
@@ -156,11 +156,11 @@ def test_nothing_of_sendworthys_own_is_heard(stack, group):
     """Whoever is on the group can forge; digests, states and presence come by the mesh session only."""
     _, heard = opened(stack, group)
     forger = closing(stack, zenoh_session(broadcast_options(group, LOOPBACK)))
-    for prefix in (f"{PREFIX}/", "", "sendworthy-broadcast-x/"):
+    for prefix in (f"{keys.ON_AIR}/", "", "sendworthy-broadcast-x/"):
         for key in ("@sendworthy/r2/digest", "@sendworthy/r2/state"):
             forger.put(f"{prefix}{key}", "forged")
     forger.put("sendworthy-broadcast-sampling/a", "below a chunk that is like ours")
-    wait_until(lambda: forger.put(f"{PREFIX}/last", "last") or heard, what="the last one")
+    wait_until(lambda: forger.put(f"{keys.ON_AIR}/last", "last") or heard, what="the last one")
     assert set(heard) == {("last", "last")}
 
 
@@ -178,6 +178,18 @@ def test_what_cannot_be_broadcast_goes_by_the_mesh(team):
         assert [str(s.key_expr) for s in each.samples] == ["@own/a"] * 10
         assert [s.payload.to_string() for s in each.samples[::2]] == list("01234")
         assert all(s.kind == zenoh.SampleKind.DELETE for s in each.samples[1::2])
+
+
+def test_a_key_that_is_too_long_for_the_air_goes_by_the_mesh(team):
+    """Below the chunk that robots match it would be longer than Zenoh takes, and a panic ended the daemon."""
+    longest = "k" * (keys.LONGEST - len("free/"))
+    heard = Heard(team[1].node(), "free/*")
+    wait_interest(team[1], team[0], keys=("free/*",))
+    app, block = team[0].node(), zenoh.CongestionControl.BLOCK
+    app.put(f"free/{longest}", "by the mesh", congestion_control=block)
+    app.put("free/a", "on the air", congestion_control=block)
+    wait_until(lambda: len(heard.samples) == 2, what="both")
+    assert set(heard.payloads) == {"by the mesh", "on the air"}
 
 
 def test_an_interface_that_is_none_is_named_with_its_key(stack, group):
@@ -254,17 +266,17 @@ def test_options_have_lanes_for_priorities_and_nothing_but_the_group():
     assert not json.loads(config.get_json("scouting/multicast/enabled"))
 
 
-BITS = st.integers(0, 2 ** (2 * len(PREFIX)) - 1)
+BITS = st.integers(0, 2 ** (2 * len(keys.ON_AIR)) - 1)
 
 
 @given(BITS)
 def test_every_pattern_matches_the_prefix(number):
     """Whatever the number, it is a valid key expression."""
-    assert zenoh.KeyExpr(pattern(number)).intersects(zenoh.KeyExpr(PREFIX))
+    assert zenoh.KeyExpr(pattern(number)).intersects(zenoh.KeyExpr(keys.ON_AIR))
 
 
 def test_patterns_differ():
     """No two robots may subscribe to the same: Zenoh would repeat it without end."""
-    numbers = [(i * 0x9E3779B97F4A7C15F39CC0605CEDC835) % 2 ** (2 * len(PREFIX)) for i in range(1, 2001)]
+    numbers = [(i * 0x9E3779B97F4A7C15F39CC0605CEDC835) % 2 ** (2 * len(keys.ON_AIR)) for i in range(1, 2001)]
     patterns = sorted(map(pattern, numbers))
     assert all(one != other for one, other in pairwise(patterns))

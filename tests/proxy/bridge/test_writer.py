@@ -3,6 +3,7 @@
 import pytest
 import zenoh
 
+from proxy.bridge import keys
 from proxy.bridge.demand import Demand
 from proxy.bridge.sample import Held
 from proxy.bridge.send_buffers import SendBuffers
@@ -56,3 +57,15 @@ def test_what_nobody_wants_is_not_broadcast(sessions):
     demand.update()
     mesh.close()
     assert writer.write(Held(made.samples[0], None, "made", 1, None), droppable=False)
+
+
+def test_a_copy_whose_key_is_longer_than_zenoh_takes_is_refused(sessions):
+    """Copies travel below a key of Sendworthy's own; a panic ended the daemon."""
+    mesh, _ = sessions
+    made, key = Heard(mesh, "*"), "k" * keys.LONGEST
+    mesh.put(key, "x")
+    wait_until(lambda: made.samples, what="a sample to write")
+    demand = Demand(mesh, lambda _: None, lambda: None)
+    writer = Writer(mesh, demand, SendBuffers(mesh))
+    assert not writer.write(Held(made.samples[0], None, key, 1, None, "ab12cd34"), droppable=False)
+    assert writer.write(Held(made.samples[0], None, "k", 1, None, "ab12cd34"), droppable=False)
