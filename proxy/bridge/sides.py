@@ -81,6 +81,8 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: f
 def _open_data(mesh: MeshConfig, session: zenoh.Session, closing: ExitStack) -> DataSession:
     if mesh.transport == "unicast":
         return session
-    data = Broadcast(mesh.group, mesh.interface, session, lambda: bool(session.info.peers_zid()))
+    info = session.info
+    # In mode "client" all others are behind routers.
+    data = Broadcast(mesh.group, mesh.interface, session, lambda: bool(info.peers_zid() or info.routers_zid()))
     closing.callback(data.close)
     return data

@@ -2,13 +2,17 @@
 
 import tempfile
 from contextlib import ExitStack
+from dataclasses import replace
 
 import pytest
 import zenoh
 
+from proxy.bridge import broadcast
 from proxy.bridge.sides import open_sides
+from proxy.bridge.tuning import TUNING
 from proxy.config import AppConfig, MeshConfig
 from proxy.errors import PortInUseError
+from tests.ports import free_port
 from tests.proxy.nodes import closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 
@@ -55,3 +59,14 @@ def test_beside_a_router_of_the_apps_everybody_is_known_for_as_long_as_he_is_the
             node.close()
             for kind in ("subscriber", "queryable", "token"):
                 wait_until(lambda kind=kind: not opened.apps.declared(kind), what=f"the end of the {kind} of a {mode}")
+
+
+def test_a_robot_that_meets_others_at_a_router_joins_a_silent_group_anew(stack, monkeypatch):
+    """It is linked to no other robot, yet there may be some; after an error of its radio it was deaf for good."""
+    monkeypatch.setattr(broadcast, "TUNING", replace(TUNING, group_check=0.01, group_silent=0.02))
+    router, group = free_endpoint(), f"224.0.0.226:{free_port()}"
+    mesh = MeshConfig(mode="client", connect=(router,), transport="broadcast", group=group, interface="lo")
+    opened = open_sides(AppConfig(listen=(free_endpoint(),)), mesh, stack).data
+    assert opened.describe()["reopened"] == 0
+    closing(stack, plain_session("router", listen=(router,)))
+    wait_until(lambda: opened.describe()["reopened"], what="a session that may hear others")
