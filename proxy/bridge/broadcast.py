@@ -22,7 +22,7 @@ import zenoh
 from proxy import clock
 from proxy.bridge.attached import attach
 from proxy.bridge.declaration import Declaration
-from proxy.bridge.group_socket import GroupSockets
+from proxy.bridge.group_socket import GroupSockets, refusal
 from proxy.bridge.keys import ALL_DIGESTS, ANNOUNCED, INGRESS, ON_AIR, on_air
 from proxy.bridge.keys import PREFIX as OWN
 from proxy.bridge.radio import interface_of
@@ -31,6 +31,8 @@ from proxy.bridge.tuning import TUNING
 from proxy.errors import SessionError
 
 log = logging.getLogger(__name__)
+
+_STRAY = "something that is no Zenoh message came, and Zenoh heard nothing more"
 
 Hear = Callable[[str, zenoh.Sample], None]
 """Gets a sample, and the key that it was published under."""
@@ -69,6 +71,8 @@ class Broadcast:
         self._attend: Hear | None = None
         self._subscribers: list[Declaration] = []
         self._reopened, self._deafened = 0, 0
+        self._refusal = ""
+        """Why this host sends nothing to the group."""
         self._sockets = GroupSockets(group)
         self._session = self._opened()
         self._stop = threading.Event()
@@ -114,11 +118,14 @@ class Broadcast:
         _close(self._session)
 
     def warnings(self) -> list[str]:
-        """Say that others than robots use the group."""
-        if not self._deafened:
-            return []
-        times = f"{self._deafened} times samples were missed for a moment"
-        return [f"what is no robot sends to mesh.group {self._group}: {times}; keep other programs out of it"]
+        """Say that this host sends nothing, and that others than robots use the group."""
+        found = []
+        if self._refusal:
+            found.append(f"nothing is sent to mesh.group {self._group}, nor heard: {self._refusal}")
+        if self._deafened:
+            times = f"{self._deafened} times samples were missed for a moment"
+            found.append(f"what is no robot sends to mesh.group {self._group}: {times}; keep other programs out of it")
+        return found
 
     def describe(self) -> dict[str, Any]:
         """Return what the status says: where, how many robots are heard there, how often it had to be opened anew."""
@@ -130,9 +137,10 @@ class Broadcast:
         }
 
     def _opened(self) -> zenoh.Session:
+        self._radio = interface_of(self._interface)
         try:
             with self._sockets.found():
-                session = zenoh_session(broadcast_options(self._group, interface_of(self._interface)))
+                session = zenoh_session(broadcast_options(self._group, self._radio))
         except zenoh.ZError as error:
             where = f"mesh.interface {self._interface}, mesh.group {self._group}"
             raise SessionError(f"{where}: cannot broadcast: {reason_of(error).rpartition('[')[2]}") from error
@@ -164,14 +172,25 @@ class Broadcast:
         patience, since = TUNING.group_silent, clock.monotonic()
         while not self._stop.wait(TUNING.group_check):
             if self._sockets.closed:
-                self._deafened += 1
-                self._reopen("something that is no Zenoh message came, and Zenoh heard nothing more")
+                self._revive()
                 patience, since = TUNING.group_silent, clock.monotonic()
             elif _heard(self._session) or not self._others():
                 patience, since = TUNING.group_silent, clock.monotonic()
             elif clock.monotonic() - since > patience:
                 self._reopen("nobody was heard")
                 patience, since = min(2.0 * patience, TUNING.longest_group_silent), clock.monotonic()
+
+    def _revive(self) -> None:
+        """Open a session anew whose socket is closed, once this host sends to the group.
+
+        Zenoh gives up on it where the radio is off, too.
+        """
+        before, self._refusal = self._refusal, refusal(self._group, self._radio)
+        if not self._refusal:
+            self._deafened += not before
+            self._reopen(f"this host did not send ({before})" if before else _STRAY)
+        elif not before:
+            log.warning("%s on %s: this host sends nothing: %s", self._group, self._radio, self._refusal)
 
     def _reopen(self, reason: str) -> None:
         try:

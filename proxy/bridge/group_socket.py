@@ -5,12 +5,16 @@ Without a look at that a team is deaf until it misses everybody: one stray byte 
 2.3 s, and such a byte every 1.5 s for as long as they came.
 """
 
+import ipaddress
 import os
+import socket
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 _TABLES = ("/proc/self/net/udp", "/proc/self/net/udp6")
+_LOOPBACK = ("lo", "127.0.0.1", "::1")
 
 
 class GroupSockets:
@@ -53,12 +57,51 @@ def sockets_on(group: str) -> frozenset[tuple[int, int]]:
     return frozenset(found)
 
 
+def refusal(group: str, interface: str) -> str:
+    """Say why this host sends nothing to `group` on `interface`; nothing if it does, or if nobody can tell.
+
+    It is tried, with a datagram that nobody hears: it does not leave this host, nor come back to it but on loopback.
+    """
+    if interface in _LOOPBACK:
+        return ""
+    host, _, port = group.rpartition(":")
+    try:
+        address = ipaddress.ip_address(host.strip("[]"))
+        if address.version == 4:
+            return _refusal_v4(str(address), int(port), interface)
+        return _refusal_v6(str(address), int(port), socket.if_nametoindex(interface))
+    except OSError as error:
+        return error.strerror or str(error)
+
+
 def is_open(descriptor: int, inode: int) -> bool:
     """Whether a socket is still there."""
     try:
         return os.fstat(descriptor).st_ino == inode
     except OSError:
         return False
+
+
+def _refusal_v4(host: str, port: int, interface: str) -> str:
+    try:
+        near, index = socket.inet_aton(interface), 0
+    except OSError:
+        near, index = bytes(4), socket.if_nametoindex(interface)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, bytes(4) + near + struct.pack("@i", index))
+        probe.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        probe.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 0)
+        probe.sendto(b"", (host, port))
+    return ""
+
+
+def _refusal_v6(host: str, port: int, index: int) -> str:
+    with socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as probe:
+        probe.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, index)
+        probe.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, 0)
+        probe.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_LOOP, 0)
+        probe.sendto(b"", (host, port, 0, index))
+    return ""
 
 
 def _rows(table: str) -> list[str]:

@@ -96,6 +96,22 @@ def test_a_robot_that_comes_back_hears_and_is_heard(team, vanish, come_back):
         for robot in robots:
             numbers = listener.numbers(f"chat/{robot.name}")
             assert numbers == sorted(set(numbers))
+    assert "what is no robot sends" not in str([robot.status()["warnings"] for robot in robots])
+
+
+def test_a_firewall_that_lets_nothing_out_to_the_group_is_named(team):
+    """The session is opened anew once, when that is over, and the samples are heard."""
+    mute, other = team("ab", options=BROADCAST)
+    drop = "table ip muted { chain out { type filter hook output priority 0; udp dport 7449 drop; }; };"
+    assert mute.host.run("nft", drop).returncode == 0
+    complaint = "nothing is sent to mesh.group 224.0.0.226:7449, nor heard: Operation not permitted"
+    wait_until(lambda: mute.status()["warnings"] == [complaint], what="the warning")
+    assert mute.status()["daemon"]["broadcast"]["reopened"] == 0
+    mute.host.run("nft", "delete", "table", "ip", "muted")
+    heard = other.hear("chat/*")
+    mute.say(f"chat/{mute.name}", size=100, rate=20)
+    wait_until(lambda: heard.numbers(f"chat/{mute.name}"), what="a sample")
+    assert not mute.status()["warnings"]
 
 
 def test_robots_on_different_transports_say_so_loudly(start):

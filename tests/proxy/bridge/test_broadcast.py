@@ -233,6 +233,21 @@ def test_what_is_no_message_of_zenoh_deafens_a_robot_for_a_moment_only(stack, gr
     wait_until(lambda: second.put("k", "x") or heard, what="a sample")
 
 
+def test_a_host_that_sends_nothing_is_not_blamed_on_strangers(stack, group, monkeypatch, caplog):
+    """As with its radio off: Zenoh closes the socket then, too. It is opened anew once, when that is over."""
+    caplog.set_level("INFO")
+    monkeypatch.setattr(broadcast_module, "refusal", lambda _, interface: f"{interface} is off")
+    made, _ = opened(stack, group)
+    stray = stack.enter_context(Stray(group))
+    wait_until(lambda: stray.send() or made.warnings(), what="a socket that is closed")
+    assert made.warnings() == [f"nothing is sent to mesh.group {group}, nor heard: lo is off"]
+    assert made.describe()["reopened"] == 0
+    monkeypatch.undo()
+    wait_until(lambda: made.describe()["reopened"], what="a session that sends")
+    assert made.warnings() == []
+    assert f"this host did not send (lo is off) on {group}: joined the group anew" in caplog.text
+
+
 def test_a_robot_that_is_deafened_as_its_session_opens_hears_again(stack, group):
     """Its socket is closed before anybody could have found it."""
     first, heard = opened(stack, group)

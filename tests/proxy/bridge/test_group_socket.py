@@ -3,7 +3,9 @@
 import socket
 from contextlib import suppress
 
-from proxy.bridge.group_socket import GroupSockets, is_open, sockets_on
+import pytest
+
+from proxy.bridge.group_socket import GroupSockets, is_open, refusal, sockets_on
 from tests.ports import free_port
 
 
@@ -45,3 +47,28 @@ def test_a_session_without_a_socket_was_deafened_unless_none_is_ever_found():
     with sockets.found():
         pass
     assert sockets.closed
+
+
+@pytest.mark.parametrize("interface", ["lo", "127.0.0.1"])
+def test_nobody_hears_how_a_host_tries_to_send(interface):
+    """On loopback everybody would: there it is not tried."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as heard:
+        heard.bind(("", 0))
+        group = "224.0.0.226", heard.getsockname()[1]
+        own = socket.inet_aton("127.0.0.1")
+        heard.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group[0]) + own)
+        heard.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, own)
+        assert refusal(f"{group[0]}:{group[1]}", interface) == ""
+        heard.sendto(b"next", group)
+        assert heard.recv(10) == b"next"
+
+
+@pytest.mark.parametrize("group", ["224.0.0.226:7449", "[ff02::226]:7449"])
+def test_a_host_says_why_it_cannot_send(group):
+    """In the kernel's words."""
+    assert refusal(group, "gone") == "no interface with this name"
+
+
+def test_an_address_that_no_interface_has_is_refused():
+    """As after the radio got another one."""
+    assert refusal("224.0.0.226:7449", "192.0.2.7") == "Cannot assign requested address"
