@@ -25,7 +25,7 @@ from proxy.bridge.declaration import Declaration
 from proxy.bridge.group_socket import GroupSockets, refusal
 from proxy.bridge.keys import ALL_DIGESTS, ANNOUNCED, INGRESS, ON_AIR, on_air
 from proxy.bridge.keys import PREFIX as OWN
-from proxy.bridge.radio import interface_of
+from proxy.bridge.radio import interface_of, only_link_local
 from proxy.bridge.sessions import AT_ONCE, reason_of, zenoh_session
 from proxy.bridge.tuning import TUNING
 from proxy.errors import SessionError
@@ -143,7 +143,11 @@ class Broadcast:
                 session = zenoh_session(broadcast_options(self._group, self._radio))
         except zenoh.ZError as error:
             where = f"mesh.interface {self._interface}, mesh.group {self._group}"
-            raise SessionError(f"{where}: cannot broadcast: {reason_of(error).rpartition('[')[2]}") from error
+            if only_link_local(self._radio, self._group):
+                reason = "for a group of IPv6 the interface needs an address that is not link-local"
+            else:
+                reason = reason_of(error).partition(": [")[2]
+            raise SessionError(f"{where}: cannot broadcast: {reason}") from error
         self._subscribe(session)
         return session
 

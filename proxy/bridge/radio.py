@@ -5,6 +5,7 @@ import ipaddress
 import socket
 import struct
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Self
 
 from proxy.errors import SessionError
@@ -12,6 +13,8 @@ from proxy.errors import SessionError
 AUTO = "auto"
 _READ_FLAGS, _READ_ADDRESS = 0x8913, 0x8915
 """SIOCGIFFLAGS and SIOCGIFADDR of Linux."""
+_ADDRESSES, _LINK_LOCAL = Path("/proc/net/if_inet6"), "20"
+"""Where Linux lists addresses of IPv6, and the scope there of those of one link."""
 _UP, _LOOPBACK, _RUNNING, _MULTICAST = 0x1, 0x8, 0x40, 0x1000
 
 
@@ -55,6 +58,17 @@ class Interface:
         flags = _flags(name)
         up, running, multicast = (bool(flags & flag) for flag in (_UP, _RUNNING, _MULTICAST))
         return cls(name, index, up, running, multicast, _has_address(name))
+
+
+def only_link_local(interface: str, group: str) -> bool:
+    """Whether an interface has no address from which Zenoh can send to a `group` of IPv6: its own are link-local."""
+    if not group.startswith("[") or _is_address(interface):
+        return False
+    try:
+        rows = [row.split() for row in _ADDRESSES.read_text().splitlines()]
+    except OSError:  # a kernel without IPv6
+        return True
+    return all(scope == _LINK_LOCAL or name != interface for *_, scope, _, name in rows)
 
 
 class Scouted:

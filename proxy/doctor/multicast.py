@@ -6,7 +6,7 @@ import struct
 from contextlib import suppress
 from typing import Any
 
-from proxy.bridge.radio import Interface
+from proxy.bridge.radio import Interface, only_link_local
 from proxy.doctor.finding import Finding, finding, fine
 
 _WAIT = 1.0
@@ -22,6 +22,9 @@ def multicast(interface: Interface, group: str) -> Finding:
         heard = _loops_back(interface, group)
     except OSError as error:
         return finding("multicast", f"{name} cannot send to {group} ({error.strerror}): give it an address, {cure}")
+    if heard and only_link_local(name, group):
+        cure = "give it another one, or take a mesh.group of IPv4"
+        return finding("multicast", f"{name} has only link-local addresses of IPv6, and Zenoh cannot use them: {cure}")
     if heard:
         return fine("multicast", f"{name}: a message to {group} is heard")
     return finding("multicast", f"{name}: a message to {group} is lost: let it through the firewall, {cure}")

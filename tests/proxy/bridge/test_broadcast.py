@@ -199,6 +199,14 @@ def test_an_interface_that_is_none_is_named_with_its_key(stack, group):
         Broadcast(group, "nope", closing(stack, plain_session("peer")), lambda: False)
 
 
+def test_an_interface_without_an_address_for_the_group_is_told_what_it_lacks(stack, monkeypatch):
+    """Zenoh says only that an argument is invalid."""
+    monkeypatch.setattr(broadcast_module, "only_link_local", lambda *_: True)
+    complaint = r"cannot broadcast: for a group of IPv6 the interface needs an address that is not link-local$"
+    with pytest.raises(SessionError, match=complaint):
+        Broadcast("[ff02::226]:7449", "nope", closing(stack, plain_session("peer")), lambda: False)
+
+
 def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(stack, group, monkeypatch, caplog):
     """Zenoh never uses a group again after an error of the radio. An interface that is still gone is said."""
     caplog.set_level("INFO")

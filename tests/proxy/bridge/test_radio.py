@@ -5,7 +5,7 @@ import socket
 import pytest
 
 from proxy.bridge import radio
-from proxy.bridge.radio import Scouted, interface_of, multicast_interfaces
+from proxy.bridge.radio import Scouted, interface_of, multicast_interfaces, only_link_local
 from proxy.errors import SessionError
 
 
@@ -38,6 +38,21 @@ def test_the_operator_is_asked_when_it_is_not_clear(monkeypatch, found, complain
     monkeypatch.setattr(radio, "multicast_interfaces", lambda: found)
     with pytest.raises(SessionError, match=rf'^mesh\.interface: to broadcast, name .* instead of "auto": {complaint}'):
         interface_of("auto")
+
+
+def test_a_group_of_ipv6_needs_an_address_that_is_not_link_local(monkeypatch, tmp_path):
+    """Zenoh cannot send from such a one, and says only that an argument is invalid."""
+    listed, group = tmp_path / "if_inet6", "[ff02::226]:7449"
+    monkeypatch.setattr(radio, "_ADDRESSES", listed)
+    assert only_link_local("wlan0", group)
+    local = f"fe80{28 * '0'} 02 40 20 80    wlan0\nfd00{28 * '0'} 03 40 00 80     eth0\n"
+    listed.write_text(local)
+    assert only_link_local("wlan0", group)
+    assert not only_link_local("eth0", group)
+    assert not only_link_local("wlan0", "224.0.0.226:7449")
+    assert not only_link_local("fd00::1", group)
+    listed.write_text(f"{local}fd00{28 * '0'} 02 40 00 82    wlan0\n")
+    assert not only_link_local("wlan0", group)
 
 
 def test_an_interface_that_comes_up_later_is_named(monkeypatch):
