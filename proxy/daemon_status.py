@@ -90,6 +90,14 @@ class DaemonStatus:
             *self.extractor.warnings(clock.monotonic()),
             *self.reloading.warnings(),
             *self.bridge.warnings(),
+            *self._unheard(),
             *self.recording.warnings(),
             *self.presence.floods.warnings(clock.monotonic()),
         ]
+
+    def _unheard(self) -> list[str]:
+        """Say that no robot is heard where all broadcast."""
+        data, view = self.sides.data, self.loop.core.view
+        if not isinstance(data, Broadcast):
+            return []
+        return data.unheard(sum(peer.transport == view.settings.transport for peer in view.peers.values()))

@@ -71,6 +71,8 @@ class Broadcast:
         self._attend: Hear | None = None
         self._subscribers: list[Declaration] = []
         self._reopened, self._deafened = 0, 0
+        self._silent = False
+        """Whether nobody is heard although there are others, for a while already."""
         self._refusal = ""
         """Why this host sends nothing to the group."""
         self._sockets = GroupSockets(group)
@@ -127,6 +129,13 @@ class Broadcast:
             found.append(f"what is no robot sends to mesh.group {self._group}: {times}; keep other programs out of it")
         return found
 
+    def unheard(self, robots: int) -> list[str]:
+        """Say that none of so many robots on the group is heard."""
+        if not self._silent or not robots:
+            return []
+        cure = "let multicast through, at access points too, or set mesh.transport to unicast"
+        return [f"no robot is heard on mesh.group {self._group}, of {robots} that broadcast there: {cure}"]
+
     def describe(self) -> dict[str, Any]:
         """Return what the status says: where, how many robots are heard there, how often it had to be opened anew."""
         return {
@@ -180,7 +189,9 @@ class Broadcast:
                 patience, since = TUNING.group_silent, clock.monotonic()
             elif _heard(self._session) or not self._others():
                 patience, since = TUNING.group_silent, clock.monotonic()
+                self._silent = False
             elif clock.monotonic() - since > patience:
+                self._silent = True
                 self._reopen("nobody was heard")
                 patience, since = min(2.0 * patience, TUNING.longest_group_silent), clock.monotonic()
 

@@ -114,6 +114,17 @@ def test_a_firewall_that_lets_nothing_out_to_the_group_is_named(team):
     assert not mute.status()["warnings"]
 
 
+def test_a_robot_that_hears_no_other_one_says_so(team):
+    """As behind an access point that filters multicast; all else crosses, and nobody would know why no sample does."""
+    deaf, _ = team("ab", options=BROADCAST)
+    drop = "table ip deaf { chain in { type filter hook input priority 0; udp dport 7449 drop; }; };"
+    assert deaf.host.run("nft", drop).returncode == 0
+    complaint = "no robot is heard on mesh.group 224.0.0.226:7449, of 1 that broadcast there: "
+    wait_until(lambda: [w for w in deaf.status()["warnings"] if w.startswith(complaint)], 30.0, "the warning")
+    deaf.host.run("nft", "delete", "table", "ip", "deaf")
+    wait_until(lambda: not deaf.status()["warnings"], 30.0, "its end")
+
+
 def test_robots_on_different_transports_say_so_loudly(start):
     """Both name the other and what does not arrive; what goes by unicast does."""
     broadcasting, other = start("a", options=BROADCAST), start("b")

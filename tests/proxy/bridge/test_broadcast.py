@@ -214,6 +214,11 @@ def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(st
     monkeypatch.setattr(broadcast_module, "TUNING", quick)
     first, heard = opened(stack, group, others=True)
     wait_until(lambda: first.describe()["reopened"], what="a first time")
+    (silent,) = first.unheard(2)
+    assert silent.startswith(
+        f"no robot is heard on mesh.group {group}, of 2 that broadcast there: let multicast through"
+    )
+    assert first.unheard(0) == []
     monkeypatch.setattr(first, "_interface", "nope")
     wait_until(lambda: "nope" in caplog.text, what="the warning")
     monkeypatch.setattr(first, "_interface", LOOPBACK)
@@ -221,6 +226,7 @@ def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(st
     second, _ = opened(stack, group)
     wait_until(lambda: second.describe()["heard"] == first.describe()["heard"] == 1, what="each other")
     assert f"nobody was heard on {group}: joined the group anew" in caplog.text
+    wait_until(lambda: not first.unheard(2), what="the end of the warning")
     wait_until(lambda: second.put("k", "x") or heard, what="a sample")
     assert heard[0] == ("k", "x")
 
