@@ -32,7 +32,7 @@ from proxy.errors import SessionError
 
 log = logging.getLogger(__name__)
 
-_STRAY = "something that is no Zenoh message came, and Zenoh heard nothing more"
+_STRAY = "something came that is not from a robot, and Zenoh heard nothing more"
 
 Hear = Callable[[str, zenoh.Sample], None]
 """Gets a sample, and the key that it was published under."""
@@ -71,6 +71,8 @@ class Broadcast:
         self._attend: Hear | None = None
         self._subscribers: list[Declaration] = []
         self._reopened, self._deafened = 0, 0
+        self._taking = set[int]()
+        """Threads that are busy with a sample: Zenoh reads no further until then."""
         self._silent = False
         """Whether nobody is heard although there are others, for a while already."""
         self._refusal = ""
@@ -175,16 +177,22 @@ class Broadcast:
         prefix, _, key = str(sample.key_expr).partition("/")
         if prefix != ON_AIR:
             return
-        if not key.startswith(f"{OWN}/"):
-            self._hear(key, sample)
-        elif self._attend is not None:
-            self._attend(key, sample)
+        thread = threading.get_ident()
+        self._taking.add(thread)
+        try:
+            if not key.startswith(f"{OWN}/"):
+                self._hear(key, sample)
+            elif self._attend is not None:
+                self._attend(key, sample)
+        finally:
+            self._taking.discard(thread)
 
     def _run(self) -> None:
         """Look whether anybody is heard; a dead session hears nobody."""
         patience, since = TUNING.group_silent, clock.monotonic()
         while not self._stop.wait(TUNING.group_check):
-            if self._sockets.closed:
+            stuck = self._sockets.stuck(clock.monotonic(), TUNING.group_unread, busy=bool(self._taking))
+            if stuck or self._sockets.closed:
                 self._revive()
                 patience, since = TUNING.group_silent, clock.monotonic()
             elif _heard(self._session) or not self._others():
@@ -196,7 +204,7 @@ class Broadcast:
                 patience, since = min(2.0 * patience, TUNING.longest_group_silent), clock.monotonic()
 
     def _revive(self) -> None:
-        """Open a session anew whose socket is closed, once this host sends to the group.
+        """Open a session anew that hears nothing more, once this host sends to the group.
 
         Zenoh gives up on it where the radio is off, too.
         """

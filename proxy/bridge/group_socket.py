@@ -3,6 +3,9 @@
 Zenoh's receiver ends for good at the first datagram that it cannot decode, from whomever, and closes its socket.
 Without a look at that a team is deaf until it misses everybody: one stray byte kept all samples from everybody for
 2.3 s, and such a byte every 1.5 s for as long as they came.
+
+The receiver ends with a panic, and keeps its socket, at a sample of a Zenoh node that has no lanes for priorities, as
+none has by default: all were deaf for good. Then what comes is read no more.
 """
 
 import ipaddress
@@ -14,6 +17,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 _TABLES = ("/proc/self/net/udp", "/proc/self/net/udp6")
+_MEMINFO, _MEMORY, _HELD = 55, 36, struct.Struct("@I")
+"""SO_MEMINFO of <asm-generic/socket.h>, the size of what it gives, and its first number: what waits to be read [B]."""
 _LOOPBACK = ("lo", "127.0.0.1", "::1")
 
 
@@ -25,11 +30,13 @@ class GroupSockets:
         self._ever_found = False
         self._sockets: frozenset[tuple[int, int]] | None = None
         """None where that cannot be told."""
+        self._unread = 0, 0.0
+        """What waits to be read [B], and since when none of it was [s]."""
 
     @contextmanager
     def found(self) -> Iterator[None]:
         """Find those that are opened within."""
-        self._sockets, before = None, sockets_on(self._group)
+        self._sockets, self._unread, before = None, (0, 0.0), sockets_on(self._group)
         yield
         sockets = sockets_on(self._group) - before
         self._ever_found |= bool(sockets)
@@ -42,6 +49,16 @@ class GroupSockets:
         if self._sockets is None:
             return False
         return not (self._sockets and all(is_open(*each) for each in self._sockets))
+
+    def stuck(self, now: float, patience: float, *, busy: bool) -> bool:
+        """Whether nothing of what waits there was read for longer than `patience` [s]; while `busy` that means nothing.
+
+        To be asked often: what waits becomes less as it is read, at the latest when all of it is.
+        """
+        unread = sum(_unread(descriptor) for descriptor, _ in self._sockets or ())
+        before, since = self._unread
+        self._unread = unread, now if busy or not before or unread < before else since
+        return unread > 0 and now - self._unread[1] > patience
 
 
 def sockets_on(group: str) -> frozenset[tuple[int, int]]:
@@ -80,6 +97,14 @@ def is_open(descriptor: int, inode: int) -> bool:
         return os.fstat(descriptor).st_ino == inode
     except OSError:
         return False
+
+
+def _unread(descriptor: int) -> int:
+    try:
+        with socket.socket(fileno=os.dup(descriptor)) as known:
+            return int(_HELD.unpack_from(known.getsockopt(socket.SOL_SOCKET, _MEMINFO, _MEMORY))[0])
+    except OSError:  # it was closed meanwhile
+        return 0
 
 
 def _refusal_v4(host: str, port: int, interface: str) -> str:

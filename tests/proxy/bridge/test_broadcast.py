@@ -2,8 +2,10 @@
 
 import json
 import socket
+import threading
 from dataclasses import replace
 from itertools import pairwise
+from unittest.mock import Mock
 
 import pytest
 import zenoh
@@ -245,6 +247,36 @@ def test_what_is_no_message_of_zenoh_deafens_a_robot_for_a_moment_only(stack, gr
     assert f"what is no robot sends to mesh.group {group}: 2 times" in warning
     heard.clear()
     wait_until(lambda: second.put("k", "x") or heard, what="a sample")
+
+
+def test_a_zenoh_node_without_lanes_deafens_a_robot_for_a_moment_only(stack, group):
+    """As one in Zenoh's defaults: its samples end the threads that hear the group, and the sockets stay open."""
+    first, heard = opened(stack, group)
+    second, _ = opened(stack, group)
+    options = broadcast_options(group, LOOPBACK)
+    del options["transport"]["multicast"]["qos"]
+    foreign = closing(stack, zenoh_session(options))
+    wait_until(lambda: first.describe()["heard"] == second.describe()["heard"] == 2, what="each other")
+    wait_until(lambda: foreign.put("k", "x") or first.describe()["reopened"], what="a session that hears")
+    assert f"what is no robot sends to mesh.group {group}: " in first.warnings()[0]
+    foreign.close()
+    wait_until(lambda: second.put("k", "x") or heard, what="a sample")
+
+
+def test_who_is_busy_with_a_sample_is_not_taken_for_deaf(stack, group, monkeypatch):
+    """An application that hangs may hold up a sample for seconds, and all that come after it."""
+    monkeypatch.setattr(broadcast_module, "TUNING", replace(TUNING, group_check=0.01, group_unread=0.0))
+    first, _ = opened(stack, group)
+    second, _ = opened(stack, group)
+    wait_until(lambda: second.describe()["heard"] == 1, what="each other")
+    taken, go_on = threading.Event(), threading.Event()
+    stack.callback(go_on.set)
+    first.listen(lambda *_: taken.set() or go_on.wait())
+    wait_until(lambda: second.put("k", "x") or taken.is_set(), what="a sample in hand")
+    asked = Mock(wraps=first._sockets.stuck)
+    monkeypatch.setattr(first._sockets, "stuck", asked)
+    wait_until(lambda: second.put("k", "x") or asked.call_count > 20, what="some looks")
+    assert first.describe()["reopened"] == 0
 
 
 def test_a_host_that_sends_nothing_is_not_blamed_on_strangers(stack, group, monkeypatch, caplog):

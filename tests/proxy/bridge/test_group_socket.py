@@ -49,6 +49,30 @@ def test_a_session_without_a_socket_was_deafened_unless_none_is_ever_found():
     assert sockets.closed
 
 
+def test_a_socket_of_which_nothing_is_read_is_stuck():
+    """Whatever comes meanwhile; who is busy reads later."""
+    port = free_port()
+    sockets = GroupSockets(f"224.0.0.226:{port}")
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as two,
+    ):
+        with sockets.found():
+            one.bind(("127.0.0.1", port))
+        assert not sockets.stuck(0.0, 1.0, busy=False)
+        for now, busy, stuck in ((1.0, False, False), (2.5, False, True), (3.0, True, False), (3.5, False, False)):
+            two.sendto(b"x", ("127.0.0.1", port))
+            assert sockets.stuck(now, 1.0, busy=busy) is stuck
+        assert sockets.stuck(5.0, 1.0, busy=False)
+        for _ in range(4):
+            one.recv(1)
+        assert not sockets.stuck(5.5, 1.0, busy=False)
+        two.sendto(b"x", ("127.0.0.1", port))
+        assert not sockets.stuck(7.0, 1.0, busy=False)
+        assert sockets.stuck(8.5, 1.0, busy=False)
+    assert not sockets.stuck(9.0, 1.0, busy=False)
+
+
 @pytest.mark.parametrize("interface", ["lo", "127.0.0.1"])
 def test_nobody_hears_how_a_host_tries_to_send(interface):
     """On loopback everybody would: there it is not tried."""
