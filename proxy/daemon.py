@@ -270,13 +270,15 @@ class Daemon:
         """Pass on and obey orders for all robots."""
         loop, core = self._loop, self._loop.core
         token = _secret(self._config)
-        executor = SerialExecutor("fleet", TUNING.orders)
-        opening.callback(executor.close, TUNING.stop_wait)
+        executor, passing = (SerialExecutor(name, TUNING.orders) for name in ("fleet", "fleet out"))
+        for each in (executor, passing):
+            opening.callback(each.close, TUNING.stop_wait)
         fleet = Fleet(
             app=sides.app,
             mesh=sides.mesh,
             robot=self.robot,
             executor=executor,
+            passing=passing,
             obeyed=orders(
                 self._config.fleet,
                 self.robot,

@@ -3,10 +3,14 @@
 On the app side `@sendworthy/<robot>/to-fleet/<order>` passes an order on; on the mesh each robot that obeys it serves
 `@sendworthy/<robot>/fleet/<order>`. Answers are JSON. A robot with a token has each order proved: who gives one asks
 all for `challenge` first, and what answers the challenges goes beside the order, as its attachment.
+
+Two operators may give orders at once, at two robots that each pass on their own. Neither waits for the other: who
+passes an order on refuses the same kind of order from others meanwhile, so both operators hear that not all obeyed.
 """
 
 import json
 import logging
+import threading
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -52,7 +56,8 @@ class Order:
 class Fleet:
     """Obeys the orders in `obeyed` and passes on all. `members` tells the robots that are on the mesh.
 
-    With a `guard` an order needs proof; `refuse` gets the time [s], our name and the kind of what has none.
+    Orders are obeyed on the thread of `executor`, and passed on on that of `passing`. With a `guard` an order needs
+    proof; `refuse` gets the time [s], our name and the kind of what has none.
     """
 
     def __init__(
@@ -62,6 +67,7 @@ class Fleet:
         mesh: zenoh.Session,
         robot: str,
         executor: SerialExecutor,
+        passing: SerialExecutor,
         obeyed: Mapping[str, Obey],
         members: Callable[[], Iterable[str]],
         guard: OrderGuard | None = None,
@@ -69,7 +75,9 @@ class Fleet:
     ) -> None:
         self._mesh = mesh
         self._robot = robot
-        self._executor = executor
+        self._obeying = threading.Lock()
+        self._passed = ""
+        """The order that is passed on at the moment, if any."""
         self._guard = guard
         self._refuse = refuse
         self._obeyed: dict[str, Obey] = dict(obeyed)
@@ -77,8 +85,14 @@ class Fleet:
             self._obeyed[CHALLENGE] = partial(self._challenge, guard)
         self._members = members
         self._queryables: list[Declaration] = [
-            *(self._declare(mesh, keys.fleet(robot, order), partial(self._answer, order)) for order in self._obeyed),
-            *(self._declare(app, keys.to_fleet(robot, order), partial(self._pass_on, order)) for order in ORDERS),
+            *(
+                self._declare(mesh, keys.fleet(robot, order), partial(self._answer, order), executor)
+                for order in self._obeyed
+            ),
+            *(
+                self._declare(app, keys.to_fleet(robot, order), partial(self._pass_on, order), passing)
+                for order in ORDERS
+            ),
         ]
 
     def close(self) -> None:
@@ -86,9 +100,11 @@ class Fleet:
         for queryable in self._queryables:
             queryable.undeclare()
 
-    def _declare(self, session: zenoh.Session, key: str, answer: Callable[[Order], list[Outcome]]) -> Declaration:
+    def _declare(
+        self, session: zenoh.Session, key: str, answer: Callable[[Order], list[Outcome]], executor: SerialExecutor
+    ) -> Declaration:
         def receive(query: zenoh.Query) -> None:
-            if not self._executor.offer(partial(_reply, query, key, answer)):
+            if not executor.offer(partial(_reply, query, key, answer)):
                 with query:
                     query.reply_err("too many orders at a time")
 
@@ -96,15 +112,28 @@ class Fleet:
         return session.declare_queryable(key, handler, complete=True, allowed_origin=zenoh.Locality.REMOTE)
 
     def _answer(self, name: str, order: Order) -> list[Outcome]:
-        return [self._obey(name, order)]
+        """Obey an order of another robot's operator, unless an operator here gives one of its kind."""
+        with self._obeying:
+            if name == self._passed != CHALLENGE:
+                return [Outcome(self._robot, obeyed=False, said=(_CROSSED,))]
+            return [self._obey(name, order)]
 
     def _pass_on(self, name: str, order: Order) -> list[Outcome]:
         """Give the order to all others, then obey it: a change here may cut the link by which it goes."""
+        with self._obeying:
+            self._passed = name
+        try:
+            return self._passed_on(name, order)
+        finally:
+            self._passed = ""
+
+    def _passed_on(self, name: str, order: Order) -> list[Outcome]:
         expected = set(self._members())
         outcomes = {outcome.robot: outcome for outcome in self._asked(name, order)}
         silent = expected - outcomes.keys()
         outcomes |= {robot: Outcome(robot, obeyed=False, said=(_SILENT.format(name),)) for robot in silent}
-        outcomes[self._robot] = self._own(name, order)
+        with self._obeying:
+            outcomes[self._robot] = self._own(name, order)
         return [outcomes[robot] for robot in sorted(outcomes)]
 
     def _own(self, name: str, order: Order) -> Outcome:
@@ -141,6 +170,7 @@ class Fleet:
                 yield from read_outcomes(reply.ok.payload.to_bytes())
 
 
+_CROSSED = "an operator there gives an order at the same time, which is obeyed in its place: agree, and give one again"
 _SILENT = "no answer: it is out of reach, or fleet.{} is false in its configuration"
 
 

@@ -1,6 +1,7 @@
 """Orders for all robots, between real sessions."""
 
 import json
+import threading
 from dataclasses import replace
 
 import pytest
@@ -17,19 +18,21 @@ from tests.waiting import wait_until
 class Robot:
     """One robot. `got` are the orders that it obeyed."""
 
-    def __init__(self, stack, name, allowed=("mode",), connect=(), members=()):
+    def __init__(self, stack, name, allowed=("mode",), connect=(), *, members=(), obey=None):
         self.name, self.got = name, []
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
         app = closing(stack, plain_session("router", listen=(self.app_endpoint,)))
         self.mesh = closing(stack, plain_session("peer", listen=(self.mesh_endpoint,), connect=connect))
-        executor = SerialExecutor(f"fleet {name}")
-        stack.callback(executor.close, 1.0)
+        executor, passing = (SerialExecutor(f"{kind} {name}") for kind in ("fleet", "fleet out"))
+        for each in (executor, passing):
+            stack.callback(each.close, 1.0)
         fleet = Fleet(
             app=app,
             mesh=self.mesh,
             robot=name,
             executor=executor,
-            obeyed=dict.fromkeys(allowed, self._obey),
+            passing=passing,
+            obeyed=dict.fromkeys(allowed, obey or self._obey),
             members=lambda: members,
         )
         stack.callback(fleet.close)
@@ -44,11 +47,15 @@ class Robot:
         return [(outcome.robot, outcome.obeyed, *outcome.said) for outcome in read_outcomes(answer.encode())]
 
 
+@pytest.fixture(autouse=True)
+def _patience(monkeypatch):
+    """A busy machine needs longer than operators wait."""
+    monkeypatch.setattr(fleet_module, "TUNING", replace(TUNING, order_wait=30.0))
+
+
 @pytest.fixture
-def team(stack, monkeypatch):
+def team(stack):
     """Three robots; the third obeys nothing."""
-    patient = replace(TUNING, order_wait=30.0)  # a busy machine needs longer than operators wait
-    monkeypatch.setattr(fleet_module, "TUNING", patient)
     first = Robot(stack, "r1", members=("r2", "r3"))
     second = Robot(stack, "r2", connect=(first.mesh_endpoint,))
     third = Robot(stack, "r3", allowed=(), connect=(first.mesh_endpoint,))
@@ -77,6 +84,41 @@ def test_what_is_refused_is_told(team):
 def test_who_passes_an_order_on_need_not_obey_it(team):
     """Its own configuration counts for itself."""
     assert team[2].order("specs", b"x") == [("r3", False, "fleet.specs is false in its configuration")]
+
+
+def test_orders_of_two_operators_that_cross_wait_for_nobody(stack):
+    """Who passes one on refuses another one of its kind at once, and obeys all else; later it obeys that kind, too."""
+    asked, done = threading.Event(), threading.Event()
+    stack.callback(done.set)
+
+    def slow(raw):
+        asked.set()
+        return Outcome("r2", obeyed=done.wait(60.0), said=(raw.decode(),))
+
+    first = Robot(stack, "r1", allowed=("mode", "specs"), members=("r2",))
+    second = Robot(stack, "r2", connect=(first.mesh_endpoint,), obey=slow)
+    other = closing(stack, plain_session("peer", connect=(first.mesh_endpoint,)))
+    for session, key in ((first.mesh, keys.fleet("r2", "mode")), (other, keys.fleet("r1", "specs"))):
+        querier = session.declare_querier(key)
+        wait_until(lambda querier=querier: querier.matching_status.matching, what="the queryables")
+    passed_on = []
+    operator = threading.Thread(target=lambda: passed_on.extend(first.order("mode", b"enforce")))
+    operator.start()
+    assert asked.wait(60.0)
+
+    def ordered(order, payload):
+        (answer,) = answers(other, keys.fleet("r1", order), payload=payload)
+        return [(outcome.obeyed, *outcome.said) for outcome in read_outcomes(answer.encode())]
+
+    ((obeyed, said),) = ordered("mode", b"shadow")
+    assert not obeyed
+    assert "at the same time" in said
+    assert ordered("specs", b"some") == [(True, "did some")]
+    done.set()
+    operator.join(60.0)
+    assert passed_on == [("r1", True, "did enforce"), ("r2", True, "enforce")]
+    assert ordered("mode", b"pass") == [(True, "did pass")]
+    assert (first.got, second.got) == ([b"some", b"enforce", b"pass"], [])
 
 
 def test_orders_are_taken_from_the_mesh_only_where_they_are_allowed(team):
