@@ -81,6 +81,8 @@ class BridgeBounds:
     """An order is no longer than this [B]."""
     proof_bytes: int = 256 * 1024
     """Nor the proofs beside it, for all robots together: some 90 B for each [B]."""
+    answers_bytes: int = 16 * 1024 * 1024
+    """Answers to one order are no longer than this, all together [B]."""
 
     # Presence tokens
     tokens: int = 1024

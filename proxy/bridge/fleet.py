@@ -165,9 +165,11 @@ class Fleet:
             priority=zenoh.Priority.DATA_LOW,
             allowed_destination=zenoh.Locality.REMOTE,
         )
+        room = BOUNDS.answers_bytes
         for reply in replies:
-            if reply.ok is not None:
-                yield from read_outcomes(reply.ok.payload.to_bytes())
+            if reply.ok is not None and (size := len(reply.ok.payload)) <= room:
+                room -= size
+                yield from _of_itself(reply.ok)
 
 
 _CROSSED = "an operator there gives an order at the same time, which is obeyed in its place: agree, and give one again"
@@ -183,6 +185,12 @@ def _reply(query: zenoh.Query, key: str, answer: Callable[[Order], list[Outcome]
         order = Order(payload.to_bytes(), None if proofs is None else proofs.to_bytes())
         outcomes = [asdict(outcome) for outcome in answer(order)]
         query.reply(key, json.dumps(outcomes), encoding=zenoh.Encoding.APPLICATION_JSON)
+
+
+def _of_itself(answer: zenoh.Sample) -> Iterable[Outcome]:
+    """Return what a robot says became of an order at itself: access control keeps it to keys with its own name."""
+    robot = keys.robot_of(str(answer.key_expr))
+    return (outcome for outcome in read_outcomes(answer.payload.to_bytes()) if outcome.robot == robot)
 
 
 def challenges(outcomes: Iterable[Outcome]) -> dict[str, bytes]:
@@ -201,5 +209,5 @@ def read_outcomes(raw: bytes) -> list[Outcome]:
         return [
             Outcome(str(each["robot"]), bool(each["obeyed"]), tuple(map(str, each["said"]))) for each in json.loads(raw)
         ]
-    except (ValueError, TypeError, KeyError):
+    except (ValueError, TypeError, KeyError, RecursionError):
         return []

@@ -5,9 +5,11 @@ import threading
 from dataclasses import replace
 
 import pytest
+import zenoh
 
 from proxy.bridge import fleet as fleet_module
 from proxy.bridge import keys
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.fleet import Fleet, Outcome, read_outcomes
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tuning import TUNING
@@ -121,6 +123,30 @@ def test_orders_of_two_operators_that_cross_wait_for_nobody(stack):
     assert (first.got, second.got) == ([b"some", b"enforce", b"pass"], [])
 
 
+def test_a_robot_answers_for_itself_alone(team):
+    """What one on the mesh says of others is left out, be it in words that are read or not."""
+    said = [{"robot": robot, "obeyed": False, "said": ["no"]} for robot in ("r2", "r1", "r9", "r9-0a")]
+    answered = []
+
+    def lie(query):
+        with query:
+            for payload in (b"[" * 100_000, json.dumps(said).encode(), bytes(BOUNDS.answers_bytes)):
+                query.reply(keys.fleet("r9", "mode"), payload)
+        answered.append(query)
+
+    mesh = team[2].mesh
+    mesh.declare_queryable(keys.fleet("r9", "mode"), zenoh.handlers.Callback(lie, indirect=False))
+    querier = team[0].mesh.declare_querier(keys.fleet("r9", "mode"))
+    wait_until(lambda: querier.matching_status.matching, what="the queryable")
+    assert team[0].order("mode", b"shadow") == [
+        ("r1", True, "did shadow"),
+        ("r2", True, "did shadow"),
+        ("r3", False, "no answer: it is out of reach, or fleet.mode is false in its configuration"),
+        ("r9", False, "no"),
+    ]
+    assert answered
+
+
 def test_orders_are_taken_from_the_mesh_only_where_they_are_allowed(team):
     """What is not allowed is not even there to be asked."""
     assert list(answers(team[0].mesh, keys.fleet("*", "specs"), payload=b"x")) == []
@@ -134,7 +160,7 @@ def test_an_order_without_a_proper_payload_is_refused(team, payload):
     assert not team[1].got
 
 
-@pytest.mark.parametrize("raw", [b"", b"{}x", b"[1]", json.dumps([{"robot": "r1"}]).encode(), b"3"])
+@pytest.mark.parametrize("raw", [b"", b"{}x", b"[1]", b"[" * 100_000, json.dumps([{"robot": "r1"}]).encode(), b"3"])
 def test_answers_that_are_none_are_left_out(raw):
     """Another version, or somebody else who serves the key."""
     assert read_outcomes(raw) == []
