@@ -116,7 +116,7 @@ class Delivery:
     def _deliver_copy(self, sample: zenoh.Sample) -> None:
         attach()
         key = keys.kept_of(str(sample.key_expr))
-        if self._deduplication.covers(key):
+        if key and self._deduplication.covers(key):
             self._hand(key, sample, key, copy=True)
 
     def _hand(self, key: str, sample: zenoh.Sample, renamed: str | None = None, *, copy: bool = False) -> None:

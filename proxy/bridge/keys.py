@@ -71,8 +71,12 @@ def backlog(to: str, tag: str) -> str:
 
 
 def kept_of(key: str) -> str:
-    """Return the key of the sample of which something on such a key is a copy."""
-    return key.split("/", 3)[3].replace("%40", "@").replace("%25", "%")
+    """Return the key of the sample of which something on such a key is a copy; nothing where it is none.
+
+    What is put on `@sendworthy/**` comes to whoever listens for copies, too.
+    """
+    _, _, kind, copied = (*key.split("/", 3), "", "", "")[:4]
+    return copied.replace("%40", "@").replace("%25", "%") if kind == "kept" else ""
 
 
 def state(robot: str, tag: str) -> str:

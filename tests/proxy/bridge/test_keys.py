@@ -35,6 +35,12 @@ def test_copies_go_where_one_robot_hears_them_and_tell_their_key(alarm):
     assert not keys.on_air(key)
 
 
+@pytest.mark.parametrize("key", ["@sendworthy/**", "@sendworthy/*/**", "@sendworthy/*/kept", "@sendworthy/*/*/**"])
+def test_what_matches_the_keys_of_copies_and_is_none(key):
+    """Whoever puts a sample on an expression sends it to all who listen for what it matches."""
+    assert keys.kept_of(key) == ""
+
+
 def test_no_wildcard_of_an_app_matches_own_keys():
     """Verbatim chunks keep Sendworthy's keys apart."""
     assert not zenoh.KeyExpr("**").intersects(keys.digest("r1", "ab"))
