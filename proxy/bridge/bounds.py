@@ -86,7 +86,7 @@ class BridgeBounds:
 
     # Presence tokens
     tokens: int = 1024
-    """Tokens known at once; more are not believed."""
+    """Tokens known at once; more are not believed. Half of them may be of sessions to which there is no link."""
     token_changes: float = 1.0
     """Changes of one robot that are told in a second: each has all robots share the channel anew."""
     token_changes_at_once: float = 6.0

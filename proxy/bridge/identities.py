@@ -29,8 +29,10 @@ class Identities:
         """... and whether one of them is a router, behind which others may be..."""
         self._turned, self._listed = True, -math.inf
         """... whether any came or went since these were listed, and when that was [s]."""
+        self._met: dict[str, bool] = {}
+        """The same as Zenoh tells of each that comes and goes: the sessions, and whether they are routers."""
         events = session.info.declare_transport_events_listener
-        self._listener = events(zenoh.handlers.Callback(self._turn, indirect=False))
+        self._listener = events(zenoh.handlers.Callback(self._turn, indirect=False), history=True)
 
     def forged(self, robot: str, zid: str) -> bool:
         """Whether a token says that the session `zid` is of `robot`, and the certificate of its link another name.
@@ -52,8 +54,17 @@ class Identities:
             self._routed = bool(self._session.info.routers_zid())
         return zid not in self._linked and not self._routed
 
-    def _turn(self, _event: zenoh.TransportEvent) -> None:
+    def strange(self, zid: str) -> bool:
+        """Whether `absent` may be true, at once and from any thread: news of a link may be on its way."""
+        return zid not in self._met and not any(list(self._met.values()))
+
+    def _turn(self, event: zenoh.TransportEvent) -> None:
         self._turned = True
+        zid = str(event.transport.zid)
+        if event.kind == zenoh.SampleKind.PUT:
+            self._met[zid] = event.transport.whatami == zenoh.WhatAmI.ROUTER
+        else:
+            self._met.pop(zid, None)
 
 
 def certified_names(zenoh_options: Mapping[str, Any]) -> frozenset[str]:

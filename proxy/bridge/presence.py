@@ -81,10 +81,17 @@ class Presence:
         self._old = old
         self.floods = Floods(offer)
         self._hold_back = hold_back
-        turned = {"lost": hold_back.lost, "found": hold_back.found}
         identities = Identities(mesh, certified)
         self._tokens = Tokens(
-            self._zid, post, later, self.floods.refuse, **turned, forged=identities.forged, absent=identities.absent
+            self._zid,
+            post,
+            later,
+            self.floods.refuse,
+            lost=hold_back.lost,
+            found=hold_back.found,
+            forged=identities.forged,
+            absent=identities.absent,
+            strange=identities.strange,
         )
         self._looking = threading.Lock()
         self._digests = Budget(BOUNDS.digests, BOUNDS.all_digests, lambda: len(self._tokens.tags))

@@ -22,6 +22,9 @@ Refuse = Callable[[float, str, str], object]
 Turned = Callable[[str], object]
 Forged = Callable[[str, str], bool]
 Absent = Callable[[str], bool]
+"""Whether nobody is linked who has a session."""
+Place = tuple[str, str]
+"""The robot of a token, and its session."""
 
 
 class Tokens:
@@ -29,7 +32,10 @@ class Tokens:
 
     `later` posts at a time [s, our clock]. `refuse` gets the robot and the kind of what is no presence token. `lost`
     and `found` get the tag of who vanished or is there, at once. `forged` tells whether a robot cannot be the one with
-    such a session, `absent` whether nobody is linked who has it; on the loop's thread.
+    such a session, `absent` whether nobody is linked who has it; on the loop's thread. `strange` tells the same at
+    once, and may not know of a link that has just begun.
+
+    Tokens cost nothing, links do. So those of strangers take no more than half of the room, and count for nothing.
     """
 
     def __init__(
@@ -43,9 +49,11 @@ class Tokens:
         found: Turned,
         forged: Forged,
         absent: Absent,
+        strange: Absent,
     ) -> None:
         self._forged = forged
         self._absent = absent
+        self._strange = strange
         self._own = own
         self._post = post
         self._later = later
@@ -53,14 +61,16 @@ class Tokens:
         self._lost = lost
         self._found = found
         self._changes = Bucket(clock.monotonic(), BOUNDS.all_token_changes, BOUNDS.all_token_changes_at_once)
-        self._own_changes: dict[tuple[str, str], Bucket] = {}
+        self._own_changes: dict[Place, Bucket] = {}
         self._lock = threading.Lock()
-        self._there: set[tuple[str, str]] = set()
-        self._news: dict[tuple[str, str], bool] = {}
-        self._told: set[tuple[str, str]] = set()
+        self._there: set[Place] = set()
+        self._news: dict[Place, bool] = {}
+        self._told: set[Place] = set()
         """Those that the core knows of."""
+        self._counted: set[Place] = set()
+        """Those of which somebody is, or was, linked who has the session."""
         self.tags: Counter[str] = Counter()
-        """The tags of the robots that are there, and how many have each."""
+        """The tags of these, and how many have each."""
 
     def note(self, token: str, *, there: bool) -> None:
         """A token appeared or vanished. From any thread; the last word holds if the loop is behind."""
@@ -79,28 +89,50 @@ class Tokens:
         if not waiting:
             self._post(partial(self._tell, place))
 
-    def _take_note(self, place: tuple[str, str], *, there: bool) -> bool:
+    def _take_note(self, place: Place, *, there: bool) -> bool:
         """Whether a token is one of those that we follow."""
-        name = tag(place[1])
         if not there:
             known = place in self._there
-            if known:
-                self._there.remove(place)
-                self.tags[name] -= 1
-                if not self.tags[name]:
-                    del self.tags[name]
-                    self._lost(name)
+            self._there.discard(place)
+            self._discount(place)
             return known
-        if len(self._there) >= BOUNDS.tokens or len(self._news) >= 2 * BOUNDS.tokens:
+        strange = self._strange(place[1])
+        room = BOUNDS.tokens // 2 if strange else BOUNDS.tokens
+        if len(self._there) >= room or len(self._news) >= 2 * room:
             return False
-        if place not in self._there:
-            self._there.add(place)
-            self.tags[name] += 1
-            if self.tags[name] == 1:
-                self._found(name)
+        self._there.add(place)
+        if not strange:
+            self._count(place)
         return True
 
-    def _tell(self, place: tuple[str, str], *, again: bool = False, unlinked: int = 0) -> Event | None:
+    def _last_word(self, place: Place) -> bool:
+        """Return whether a token is there, for its robot to be told of."""
+        with self._lock:
+            there = self._news.pop(place)
+            if there:
+                self._count(place)
+            return there
+
+    def _count(self, place: Place) -> None:
+        if place in self._counted:
+            return
+        name = tag(place[1])
+        self._counted.add(place)
+        self.tags[name] += 1
+        if self.tags[name] == 1:
+            self._found(name)
+
+    def _discount(self, place: Place) -> None:
+        if place not in self._counted:
+            return
+        name = tag(place[1])
+        self._counted.remove(place)
+        self.tags[name] -= 1
+        if not self.tags[name]:
+            del self.tags[name]
+            self._lost(name)
+
+    def _tell(self, place: Place, *, again: bool = False, unlinked: int = 0) -> Event | None:
         """Tell the last word on a robot, or put it off. Who was gone before anybody knew of it is no news.
 
         It was put off `again`, as there were too many, or so often as nobody is linked who shows the token.
@@ -130,8 +162,7 @@ class Tokens:
                 self._refuse(now, place[0], "token:flood")
             self._later(now + BOUNDS.token_retry, partial(self._tell, place, again=True))
             return None
-        with self._lock:
-            there = self._news.pop(place)
+        there = self._last_word(place)
         if there and self._forged(*place):
             self._refuse(now, place[0], "token:forged")
             return None

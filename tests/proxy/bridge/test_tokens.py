@@ -33,6 +33,12 @@ def absent():
 
 
 @pytest.fixture
+def little_room(monkeypatch):
+    """For ten tokens."""
+    monkeypatch.setattr(tokens, "BOUNDS", replace(BOUNDS, tokens=10))
+
+
+@pytest.fixture
 def made(posted, refused, now, turns, absent):
     def later(when, job):
         posted.append(lambda: job() if now[0] >= when else posted.append(lambda: later(when, job)))
@@ -46,6 +52,7 @@ def made(posted, refused, now, turns, absent):
         found=lambda tag: turns.append((tag, True)),
         forged=lambda robot, zid: (robot, zid) == ("r9", "0b"),
         absent=absent.__contains__,
+        strange=absent.__contains__,
     )
 
 
@@ -105,6 +112,29 @@ def test_a_token_of_whom_there_is_no_link_to_waits_for_one(made, posted, refused
     assert told(posted) == []
 
 
+@pytest.mark.usefixtures("little_room")
+def test_tokens_without_a_link_take_no_room_from_others(made, posted, absent, turns, now):
+    """However many: a robot that comes later is believed; they count as robots once they are linked."""
+    ghosts = [f"{number:x}c" for number in range(30)]
+    absent |= set(ghosts)
+    for zid in ghosts:
+        made.note(keys.alive("ghost", zid), there=True)
+    assert told(posted) == []
+    made.note(keys.alive("r2", "0b"), there=True)
+    assert told(posted) == [(PeerAppeared, "r2", "0b")]
+    assert (list(made.tags), turns) == (["0b"], [("0b", True)])
+    absent.discard(ghosts[0])
+    found = []
+    for _ in range(3):
+        now[0] += BOUNDS.unlinked_retry
+        found += told(posted)
+    assert found == [(PeerAppeared, "ghost", ghosts[0])]
+    assert turns == [("0b", True), (ghosts[0], True)]
+    for zid in ghosts:
+        made.note(keys.alive("ghost", zid), there=False)
+    assert list(made.tags) == ["0b"]
+
+
 def test_that_a_robot_vanished_or_is_back_is_told_at_once(made, turns):
     """Whatever becomes of the event; a second token of a robot is nothing new, our own never."""
     other = keys.alive("r3", "0b")
@@ -137,9 +167,9 @@ def test_tokens_of_no_robot_are_malformed(made, posted, refused, token):
     assert (kind, len(robot) <= 128, events(posted)) == ("token:malformed", True, [])
 
 
-def test_a_flood_of_tokens_is_bounded(made, posted, monkeypatch):
+@pytest.mark.usefixtures("little_room")
+def test_a_flood_of_tokens_is_bounded(made, posted):
     """More than a mesh has robots are not believed, until others vanish."""
-    monkeypatch.setattr(tokens, "BOUNDS", replace(BOUNDS, tokens=10))
     for number in range(30):
         made.note(keys.alive("r2", f"{number:x}b"), there=True)
     assert len(told(posted)) == 10
