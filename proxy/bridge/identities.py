@@ -29,8 +29,8 @@ class Identities:
         """... and whether one of them is a router, behind which others may be..."""
         self._turned, self._listed = True, -math.inf
         """... whether any came or went since these were listed, and when that was [s]."""
-        self._met: dict[str, bool] = {}
-        """The same as Zenoh tells of each that comes and goes: the sessions, and whether they are routers."""
+        self._met: set[str] = set()
+        """The sessions as Zenoh tells of each link that comes and goes."""
         events = session.info.declare_transport_events_listener
         self._listener = events(zenoh.handlers.Callback(self._turn, indirect=False), history=True)
 
@@ -55,16 +55,16 @@ class Identities:
         return zid not in self._linked and not self._routed
 
     def strange(self, zid: str) -> bool:
-        """Whether `absent` may be true, at once and from any thread: news of a link may be on its way."""
-        return zid not in self._met and not any(list(self._met.values()))
+        """Whether there seems to be no link to the session `zid`, at once and from any thread.
+
+        News of one may be on its way; whoever is behind a router has none.
+        """
+        return zid not in self._met
 
     def _turn(self, event: zenoh.TransportEvent) -> None:
         self._turned = True
-        zid = str(event.transport.zid)
-        if event.kind == zenoh.SampleKind.PUT:
-            self._met[zid] = event.transport.whatami == zenoh.WhatAmI.ROUTER
-        else:
-            self._met.pop(zid, None)
+        turn = self._met.add if event.kind == zenoh.SampleKind.PUT else self._met.discard
+        turn(str(event.transport.zid))
 
 
 def certified_names(zenoh_options: Mapping[str, Any]) -> frozenset[str]:

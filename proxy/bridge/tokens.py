@@ -32,10 +32,11 @@ class Tokens:
 
     `later` posts at a time [s, our clock]. `refuse` gets the robot and the kind of what is no presence token. `lost`
     and `found` get the tag of who vanished or is there, at once. `forged` tells whether a robot cannot be the one with
-    such a session, `absent` whether nobody is linked who has it; on the loop's thread. `strange` tells the same at
-    once, and may not know of a link that has just begun.
+    such a session, `absent` whether nobody is linked who has it, nor can be behind a router; on the loop's thread.
+    `strange` tells at once whether there seems to be no link.
 
-    Tokens cost nothing, links do. So those of strangers take no more than half of the room, and count for nothing.
+    Tokens cost nothing, links do. So those without a link take no more than half of the room, and count for nothing
+    as long as their sessions are absent.
     """
 
     def __init__(
