@@ -285,7 +285,7 @@ class Daemon:
                 lambda mode: loop.ask(partial(self._ordered, mode), TUNING.core_wait),
                 self.reloading,
             ),
-            members=lambda: loop.ask(lambda: [peer.robot for peer in core.view.peers.values()], TUNING.core_wait),
+            members=lambda: loop.ask(lambda: [peer.name for peer in core.view.peers.values()], TUNING.core_wait),
             guard=OrderGuard(self.robot, token) if token else None,
             refuse=presence.floods.refuse,
         )

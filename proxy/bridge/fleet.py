@@ -11,7 +11,8 @@ passes an order on refuses the same kind of order from others meanwhile, so both
 import json
 import logging
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -54,10 +55,11 @@ class Order:
 
 
 class Fleet:
-    """Obeys the orders in `obeyed` and passes on all. `members` tells the robots that are on the mesh.
+    """Obeys the orders in `obeyed` and passes on all.
 
-    Orders are obeyed on the thread of `executor`, and passed on on that of `passing`. With a `guard` an order needs
-    proof; `refuse` gets the time [s], our name and the kind of what has none.
+    `members` tells the robots that are on the mesh by their own names, which several may share. Orders are obeyed on
+    the thread of `executor`, and passed on on that of `passing`. With a `guard` an order needs proof; `refuse` gets the
+    time [s], our name and the kind of what has none.
     """
 
     def __init__(
@@ -128,13 +130,21 @@ class Fleet:
             self._passed = ""
 
     def _passed_on(self, name: str, order: Order) -> list[Outcome]:
-        expected = set(self._members())
-        outcomes = {outcome.robot: outcome for outcome in self._asked(name, order)}
-        silent = expected - outcomes.keys()
-        outcomes |= {robot: Outcome(robot, obeyed=False, said=(_SILENT.format(name),)) for robot in silent}
+        expected = Counter(self._members())
+        outcomes = list(self._answered(expected, self._asked(name, order)))
+        silent = expected - Counter(outcome.robot for outcome in outcomes)
+        outcomes += (Outcome(robot, obeyed=False, said=(_SILENT.format(name),)) for robot in silent.elements())
         with self._obeying:
-            outcomes[self._robot] = self._own(name, order)
-        return [outcomes[robot] for robot in sorted(outcomes)]
+            outcomes.append(self._own(name, order))
+        return sorted(outcomes, key=lambda outcome: outcome.robot)
+
+    def _answered(self, expected: Counter[str], outcomes: Iterable[Outcome]) -> Iterator[Outcome]:
+        """Yield one outcome of each name, but as many as there are robots of that name."""
+        heard: Counter[str] = Counter()
+        for outcome in outcomes:
+            heard[outcome.robot] += 1
+            if heard[outcome.robot] <= max(expected[outcome.robot], outcome.robot != self._robot):
+                yield outcome
 
     def _own(self, name: str, order: Order) -> Outcome:
         if name in self._obeyed:

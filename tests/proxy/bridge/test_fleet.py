@@ -123,6 +123,20 @@ def test_orders_of_two_operators_that_cross_wait_for_nobody(stack):
     assert (first.got, second.got) == ([b"some", b"enforce", b"pass"], [])
 
 
+def test_robots_of_one_name_answer_each_for_itself(stack):
+    """As after a partition: the operator sees what each did, and whether one of them is silent."""
+    first = Robot(stack, "r1", members=("r2", "r2", "r2", "r1"))
+    for name in ("r1", "r2", "r2"):
+        Robot(stack, name, connect=(first.mesh_endpoint,))
+    wait_until(lambda: sum(obeyed for _, obeyed, _ in first.order("mode", b"pass")) == 4, what="all that are there")
+    silent = "no answer: it is out of reach, or fleet.mode is false in its configuration"
+    assert sorted(first.order("mode", b"pass")) == [
+        *[("r1", True, "did pass")] * 2,
+        ("r2", False, silent),
+        *[("r2", True, "did pass")] * 2,
+    ]
+
+
 def test_a_robot_answers_for_itself_alone(team):
     """What one on the mesh says of others is left out, be it in words that are read or not."""
     said = [{"robot": robot, "obeyed": False, "said": ["no"]} for robot in ("r2", "r1", "r9", "r9-0a")]
