@@ -141,6 +141,8 @@ class DigestBudget:
         """What the last ordinary digest took, and the last other one [B]."""
         self.last_ordinary = now - TUNING.slowest_digest
         """When the last ordinary digest went out [s]."""
+        self._told_at = now
+        """When we told anything last [s]."""
         self._turn = turn
         """For an ordinary digest this part of a digest more has to be left of the allowance; it moves on with each."""
 
@@ -192,6 +194,7 @@ class DigestBudget:
         """A digest of so many bytes went out in so many copies; `announces`: only what was sent."""
         cost = self._note(now, size, copies)
         self._common -= cost
+        self._told_at = now
         if announces:
             self._brief = float(size + TUNING.overhead)
             return
@@ -218,16 +221,17 @@ class DigestBudget:
         until = max(affordable + window * turn, self.last_ordinary + patience * turn)
         due = max(now, affordable, min(max(room, fits), until))
         if self._splits:
-            due = max(due, fits)
+            due = max(due, min(fits, self._patience_ends(cost)))
         return max(due, self.last_ordinary + apart)
 
     def due_ahead(self, now: float, seconds: float) -> float:
         """When a digest may go out that spends the allowance of so many seconds ahead of time, in our clock [s]."""
-        return now + max(0.0, -seconds * self.rate - self._levels(now)[0]) / self.rate
+        longest = TUNING.deepest_debt + self._patience_ends(self._brief * self._copies)
+        return max(now, min(self._paid_ahead(now, seconds), longest))
 
     def due_soon(self, now: float) -> float:
         """When urgent news may go that spends nothing ahead of time, nor what is saved for the beginning [s]."""
-        return self.due_ahead(now, -self._saved)
+        return self._paid_ahead(now, -self._saved)
 
     def due_in_turn(self, now: float, since: float, seconds: float, copies: int) -> float:
         """When a digest may go out that spends so much ahead of time, if all robots have one since then [s].
@@ -239,8 +243,20 @@ class DigestBudget:
         """
         takes = self._robots * self._brief * copies / self.rate
         turn = since + self._turn * TUNING.answers * takes if takes > self._window else now
-        ahead = self.due_ahead(now, seconds * (1.0 - self._turn))
-        return max(ahead, self._fits_at(now, self._size * copies), turn)
+        cost = self._size * copies
+        room = max(self._paid_ahead(now, seconds * (1.0 - self._turn)), self._fits_at(now, cost))
+        return max(now, min(room, self._patience_ends(cost)), turn)
+
+    def _paid_ahead(self, now: float, seconds: float) -> float:
+        """When no more than the allowance of so many seconds is spent ahead of time by all [s]."""
+        return now + max(0.0, -seconds * self.rate - self._levels(now)[0]) / self.rate
+
+    def _patience_ends(self, cost: float) -> float:
+        """Until when we wait for the others to leave room, at most [s]: some time after an equal part paid for it.
+
+        A robot that says fifty digests a second kept all others from saying anything: their parts stayed as they were.
+        """
+        return self._told_at + TUNING.patience * cost * self._robots / self.rate
 
     def _note(self, now: float, size: int, copies: int) -> float:
         """Return what so many bytes in so many copies cost; that much was told now."""

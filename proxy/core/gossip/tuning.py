@@ -36,6 +36,10 @@ class GossipTuning:
     """For echoes in the long run, of what a robot has for ordinary news."""
     echoes_ahead: float = 600.0
     """What echoes may take ahead of that [B]: without any nobody knows how long the way is."""
+    patience: float = 2.0
+    """A robot waits for the others to leave it room no longer than this many times what its equal part takes to pay for
+    a digest. Beside one that said fifty a second, two of four robots with cameras that went on alone used 28 % of the
+    limit for good."""
     answers: float = 1.5
     """What all robots answer takes so many times what the allowance has room for meanwhile: other news go on beside."""
     fewest_sends: float = 2.0

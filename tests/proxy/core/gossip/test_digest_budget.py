@@ -405,3 +405,23 @@ def test_a_robot_that_begins_has_room_for_a_few_echoes():
     budget.set_rate(1_000.0, 11, 11)
     budget.advance(0.2)
     assert budget.echoes.affords(10) == 2
+
+
+@pytest.mark.parametrize("splits", [False, True])
+def test_who_says_too_much_silences_nobody_for_good(splits):
+    """However much one robot says: what we have to say goes out, whatever it is."""
+    budget = budget_of(1000.0, robots=4)
+    budget.follow(0.0, splits=splits, quiet=False, begins=False, window=0.5)
+    said = {"news": 0, "parts": 0, "announcements": 0}
+    for step in range(6000):
+        now = step / 100
+        budget.heard(now, 60, 4)
+        due = {
+            "news": budget.due(now, apart=0.0, copies=4),
+            "parts": budget.due_in_turn(now, -math.inf, 0.5, 4),
+            "announcements": budget.due_ahead(now, AHEAD),
+        }
+        for kind in [kind for kind, at in due.items() if at <= now][:1]:
+            said[kind] += 1
+            budget.sent(now, 60, 4, announces=kind != "news")
+    assert said["news"] + said["parts"] > 4
