@@ -53,6 +53,7 @@ def test_what_something_wider_hid_is_gone_when_that_is(stack, pair, near, monkey
     publisher = near.declare_publisher("free/gone")
     table = pair[0]._sides.apps
     wait_until(lambda: {"free/**", "free/gone"} <= table.declared("subscriber").keys(), what="both")
+    wait_until(lambda: publisher.matching_status.matching, what="both on the other robot")
     router.close()
     wait_until(lambda: str(router.zid()) not in map(str, pair[0].app.info.routers_zid()), what="the router to be gone")
     assert publisher.matching_status.matching
