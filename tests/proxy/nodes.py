@@ -14,8 +14,9 @@ import zenoh
 from tests.ports import free_port
 from tests.waiting import wait_until
 
-STEADFAST = {"lease": 60_000, "queue": {"congestion_control": {"block": {"wait_before_close": 60_000_000}}}}
-"""What links send: nobody gives one up while it stands still. It is the other end that is told the lease."""
+STEADFAST = {"lease": 600_000, "queue": {"congestion_control": {"block": {"wait_before_close": 600_000_000}}}}
+"""What links send: nobody gives one up while it stands still, as long as any test waits. It is the other end that is
+told the lease."""
 
 
 def free_endpoint() -> str:
@@ -35,7 +36,7 @@ def plain_session(
 ) -> zenoh.Session:
     """An unmodified Zenoh node that knows nothing of Sendworthy and dials only what it is told.
 
-    Nobody takes a `steadfast` one for lost that is silent for less than a minute.
+    Nobody takes a `steadfast` one for lost that is silent for less than ten minutes.
     """
     again = {"retry": retry} if retry else {}
     options = {

@@ -15,7 +15,7 @@ def half_opened(stack):
     """Return two peers that are linked, what the second sees of the first, and a way each to the other.
 
     The first has dialled; the way back is closed. A connection that is half open stays so: the second, which loses it,
-    has promised to be heard of once a minute.
+    has promised to be heard of once in ten minutes.
     """
     first, second = free_endpoint(), free_endpoint()
     there = stack.enter_context(Counting(second))
