@@ -144,7 +144,7 @@ class Client:
 
     def profile(self, robot: str, request: Request) -> Profile:
         """Have the daemon of `robot` profiled; return the profile. Raises NoAnswerError."""
-        (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds + TIMEOUT)
+        (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds)
         try:
             return read(json.loads(answer))
         except (ValueError, TypeError, KeyError):
@@ -175,8 +175,8 @@ class Client:
         return self._ordered(robot, order, payload, attachment)
 
     def _ordered(self, robot: str, order: str, payload: bytes, attachment: bytes | None = None) -> list[Outcome]:
-        key, wait = keys.to_fleet(robot, order), TUNING.order_wait + TIMEOUT
-        return read_outcomes(self._ask(key, payload, wait, attachment)[0].encode())
+        asked = self._ask(keys.to_fleet(robot, order), payload, TUNING.order_wait, attachment)
+        return read_outcomes(asked[0].encode())
 
     def samples(self, key: str, timeout: float) -> Generator[zenoh.Sample, None, None]:
         """Yield what is put under a key expression from now on. Raises NoAnswerError after so many seconds."""
@@ -210,15 +210,16 @@ class Client:
                 subscriber.undeclare()  # type: ignore[no-untyped-call]
 
     def _ask(
-        self, key: str, payload: str | bytes | None, timeout: float = TIMEOUT, attachment: bytes | None = None
+        self, key: str, payload: str | bytes | None, longer: float = 0.0, attachment: bytes | None = None
     ) -> list[str]:
+        """Return what is answered in time; what is asked may take `longer` than to answer [s]. Raises NoAnswerError."""
         replies = self._session.get(
             key,
             payload=payload,
             attachment=attachment,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=timeout,
+            timeout=TIMEOUT + longer,
         )
         answers, late = [], ""
         for reply in replies:

@@ -6,6 +6,12 @@ import zenoh
 
 
 @pytest.fixture(autouse=True)
+def _patience(monkeypatch):
+    """Commands that are run here wait for a daemon that has no processor for longer than operators do."""
+    monkeypatch.setattr("proxy.commands.client.TIMEOUT", 60.0)
+
+
+@pytest.fixture(autouse=True)
 def _traced_callbacks(monkeypatch):
     """Coverage follows only threads that Python started: hand its tracer to those in which Zenoh calls back."""
     tracer = threading.gettrace()

@@ -22,8 +22,9 @@ def test_a_refusal_is_told_in_the_daemons_words(stand_in):
     assert str(refused.value) == "the daemon refuses: a mode is one of pass, shadow, enforce"
 
 
-def test_a_daemon_that_hangs_is_given_up(stand_in):
+def test_a_daemon_that_hangs_is_given_up(stand_in, monkeypatch):
     """After two seconds there is an error, not a hanging command."""
+    monkeypatch.setattr("proxy.commands.client.TIMEOUT", 2.0)
     held = []
     where = stand_in({"@sendworthy/*/status": held.append})
     with connected(where) as client, pytest.raises(NoAnswerError) as refused:
