@@ -1,6 +1,7 @@
 """What all tests have in common: threads for Zenoh, how long property tests search, and that no test is left out."""
 
 import os
+import signal
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -32,6 +33,9 @@ def give_threads():
 
 
 give_threads()
+
+# What a shell runs in the background ignores Ctrl-C, and so would all that the tests start and end with it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 TESTS = Path(__file__).parent
 SYSTEM = {"faults", "system", "transparency"}
