@@ -91,6 +91,7 @@ def test_what_a_robot_missed_while_it_was_away_it_gets_when_it_is_back(stack, ma
     wait_until(lambda: peers(first) == {"r2", "r3"} and not kept(first)["for"], what="its return")
     app.put("alarm/a", "after")
     wait_until(lambda: of(away, "alarm/a")[-1] == of(here, "alarm/a")[-1] == "after", what="new ones")
+    wait_until(lambda: ALARMS[-1] in of(away, "alarm/only") and of(away, "warning/a"), what="keys that wait apart")
     assert of(here, "alarm/a")[-22:] == ["last", *ALARMS, "after"]
     assert of(away, "alarm/a")[-22:] == ["last", *ALARMS, "after"]
     assert (of(away, "alarm/only"), of(away, "warning/a"), of(away, "camera/a")) == (ALARMS, ALARMS[:1], [])
