@@ -100,7 +100,6 @@ class Bridge:
             Silence(sides.mesh, longest_silence(config.mesh.zenoh)),
             self._half_open,
             hold_back,
-            *self._barriers,
             GoneRouters(sides.app, sides.apps, lambda: self._ingress.declared),
         )
         self._mirroring = self._make_mirroring(sides, links, neighbours, fence)
@@ -177,7 +176,7 @@ class Bridge:
         """Let nothing cross any more: subscriptions first, so that nothing comes in while the rest closes."""
         self._mirroring.close(TUNING.stop_wait)
         for barrier in self._barriers:
-            barrier.close()
+            barrier.close(TUNING.stop_wait)
         self._half_open.close()
         self._ingress.close()
         for part in (self._delivery, self._outward, self._inward):

@@ -8,10 +8,12 @@ from dataclasses import replace
 import pytest
 import zenoh
 
+from proxy import clock
 from proxy.bridge import barrier as barrier_module
 from proxy.bridge import bounds
 from proxy.bridge.barrier import Barrier
 from proxy.bridge.fence import Fence
+from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tuning import TUNING
 from tests.proxy.bridge import robots
 from tests.proxy.bridge.robots import observes, wait_interest
@@ -22,6 +24,29 @@ PATIENCE = 60.0
 """So long an application waits that would wait for ever [s]."""
 
 
+class WaitsError(Exception):
+    """Somebody would wait."""
+
+
+class Turn(threading.Condition):
+    """Whoever waits has done meanwhile what the test says."""
+
+    def __init__(self):
+        super().__init__(threading.Lock())
+
+    def meanwhile(self):
+        raise WaitsError
+
+    def wait(self, timeout=None):
+        assert timeout is not None
+        self.release()
+        try:
+            self.meanwhile()
+        finally:
+            self.acquire()
+        return True
+
+
 class Side:
     """A side, and an executor, whose jobs are done when the test says so."""
 
@@ -30,29 +55,40 @@ class Side:
         self.after_told = self.after_taken = self.insist = self.jobs.append
 
     def do(self):
-        """Do what waits now; return how much that was."""
-        jobs, self.jobs[:] = list(self.jobs), []
-        for job in jobs:
-            job()
-        return len(jobs)
+        """Do what waits now, as far as that need not wait for anything."""
+        while self.jobs:
+            try:
+                self.jobs[0]()
+            except WaitsError:
+                return
+            del self.jobs[0]
 
 
 class Bench:
     """A barrier between two sides, whose samples leave a mark when they go."""
 
-    def __init__(self):
+    def __init__(self, monkeypatch):
+        self.now = 0.0
+        monkeypatch.setattr(barrier_module, "clock", types.SimpleNamespace(monotonic=lambda: self.now))
         self.near, self.far, self.executor = Side(), Side(), Side()
         self.fence = Fence(lambda: None)
         self.barrier = Barrier(self.near, self.far, self.fence, self.executor)
+        self.turn = self.barrier._turn = Turn()
         self.went: list[str] = []
 
-    def comes(self, now, key, *, ordered=True, size=1):
+    def comes(self, now, key, *, ordered=True, size=1, mark="", job=lambda: None):
         """A sample comes; whether it goes at once."""
+        self.now = now
         quiet = self.barrier.holds(key, now, ordered=ordered)
         if quiet is None:
-            self.went.append(key)
+            self.went.append(mark or key)
             return True
-        self.barrier.hold(key, now, size, lambda: self.went.append(key), quiet=quiet)
+
+        def goes():
+            job()
+            self.went.append(mark or key)
+
+        self.barrier.hold(key, now, size, goes, quiet=quiet)
         return False
 
     def look(self):
@@ -60,18 +96,22 @@ class Bench:
         self.fence.begin()
         self.fence.end()
 
-    def round(self):
+    def end(self):
         """Bring the round that is under way to its end."""
         self.near.do()
         self.look()
         self.far.do()
+
+    def round(self):
+        """The same, and do what waited for it."""
+        self.end()
         self.executor.do()
 
 
 @pytest.fixture
-def bench():
+def bench(monkeypatch):
     """Streams have come for a while."""
-    made = Bench()
+    made = Bench(monkeypatch)
     for key in ("stream", "covered"):
         made.comes(0.0, key)
         made.round()
@@ -82,11 +122,10 @@ def bench():
 def test_a_sample_of_a_quiet_key_waits_until_all_that_was_declared_before_is_mirrored(bench):
     """Told, mirrored, and taken in: each of these comes after the one before."""
     assert not bench.comes(0.1, "start")
-    steps = [bench.near.do, bench.look, bench.far.do]
-    for step in steps:
-        assert bench.executor.do() == 0
+    for step in (bench.near.do, bench.look, bench.far.do):
+        bench.executor.do()
+        assert bench.went == []
         step()
-    assert bench.went == []
     bench.executor.do()
     assert bench.went == ["start"]
     assert bench.comes(0.2, "start")
@@ -98,9 +137,7 @@ def test_what_comes_behind_it_waits_with_it_but_for_what_goes_in_no_order(bench)
     assert not bench.comes(0.1, "stream")
     assert bench.comes(0.1, "covered", ordered=False)
     assert not bench.comes(0.1, "start", ordered=False)
-    bench.near.do()
-    bench.look()
-    bench.far.do()
+    bench.end()
     assert not bench.comes(0.1, "stream"), "those before it are about to go"
     bench.executor.do()
     assert bench.went == ["covered", "start", "stream", "start", "stream"]
@@ -123,17 +160,18 @@ def test_each_sample_of_a_quiet_key_has_a_round_that_began_after_it_came(bench):
 def test_a_round_that_takes_too_long_holds_nothing_any_more(bench):
     """Nor is anything held for a while; what comes of that round later changes nothing."""
     bench.comes(0.1, "start")
-    assert bench.barrier.check(0.1) == 0.1 + TUNING.barrier_wait
-    end = bench.barrier.check(0.1)
-    assert bench.barrier.check(end) is None
+    bench.comes(0.1, "stream")
     bench.executor.do()
-    assert bench.went == ["start"]
+    assert bench.went == []
+    bench.now = end = 0.1 + TUNING.barrier_wait
+    bench.executor.do()
+    assert bench.went == ["start", "stream"]
     assert bench.comes(end, "other")
     bench.round()
     later = end + TUNING.barrier_rest
     assert not bench.comes(later, "third")
     bench.round()
-    assert bench.went == ["start", "other", "third"]
+    assert bench.went == ["start", "stream", "other", "third"]
 
 
 def test_where_no_round_comes_to_its_end_samples_are_held_ever_more_seldom(bench):
@@ -141,79 +179,88 @@ def test_where_no_round_comes_to_its_end_samples_are_held_ever_more_seldom(bench
     now = 0.1
     for number in range(10):
         assert not bench.comes(now, f"key/{number}")
-        now = bench.barrier.check(now)
-        bench.barrier.check(now)
+        bench.now = now = now + TUNING.barrier_wait
         bench.executor.do()
         rest = min(TUNING.barrier_rest * 2.0**number, TUNING.longest_barrier_rest)
         assert bench.comes(now + 0.99 * rest, f"late/{number}")
         now += rest
     bench.round()
     bench.comes(now, "key")
-    now = bench.barrier.check(now)
-    bench.barrier.check(now)
+    bench.now = now = now + TUNING.barrier_wait
+    bench.executor.do()
     assert not bench.comes(now + TUNING.barrier_rest, "another")
 
 
-def test_whoever_comes_finds_that_a_round_takes_too_long(bench):
-    """That matters where nobody looks for long."""
-    bench.comes(0.1, "start")
-    bench.comes(0.1 + TUNING.barrier_wait, "stream")
-    bench.executor.do()
-    assert bench.went == ["start", "stream"]
+def test_a_round_that_takes_too_long_is_given_up_though_nobody_mirrors():
+    """Who declares much has whoever mirrors busy for a second and more: that is no reason for a sample to wait."""
+    executor, went = SerialExecutor("test"), threading.Event()
+    barrier = Barrier(Side(), Side(), Fence(lambda: None), executor)
+    quiet = barrier.holds("start", clock.monotonic(), ordered=True)
+    barrier.hold("start", clock.monotonic(), 1, went.set, quiet=quiet)
+    assert went.wait(60.0)
+    executor.close(60.0)
 
 
 @pytest.mark.parametrize(("field", "size"), [("held_samples", 1), ("held_bytes", 1000)])
 def test_no_more_is_held_than_there_is_room_for(bench, monkeypatch, field, size):
-    """The rest goes at once."""
-    monkeypatch.setattr(barrier_module, "BOUNDS", replace(bounds.BOUNDS, **{field: 3 * size}))
-    assert [bench.comes(0.1, f"key/{number}", size=size) for number in range(5)] == [False] * 3 + [True] * 2
+    """The rest goes at once; whoever brings more of a key that is held does first what is held of it."""
+    monkeypatch.setattr(barrier_module, "BOUNDS", replace(bounds.BOUNDS, **{field: 4 * size}))
+    keys = ["key/0", "key/1", "key/0", "key/2"]
+    assert [bench.comes(0.1, key, size=size, mark=f"{key} {n}") for n, key in enumerate(keys)] == [False] * 4
+    assert bench.comes(0.1, "key/3", size=size)
+    assert bench.comes(0.1, "key/0", size=size, mark="key/0 5")
+    assert bench.went == ["key/3", "key/0 0", "key/0 2", "key/0 5"]
     bench.round()
     bench.round()
-    assert len(bench.went) == 5
+    assert bench.went[4:] == ["key/1 1", "key/2 3"]
     assert not bench.comes(0.2, "key/6")
 
 
-def test_behind_a_sample_that_nobody_takes_nothing_is_held(bench, monkeypatch):
-    """An application hangs: whoever brings samples is held up by it himself, as without a barrier."""
-    times = iter([0.1, 0.2, 0.3])
-    monkeypatch.setattr(barrier_module, "clock", types.SimpleNamespace(monotonic=lambda: next(times)))
+def test_behind_a_sample_that_nobody_takes_nothing_is_held(bench):
+    """An application hangs: whoever brings samples is held up by it himself, as without a barrier.
+
+    What goes to others does not wait for it, and stays in order.
+    """
 
     def hang():
-        assert not bench.comes(0.3, "stream")
-        assert bench.comes(0.3 + 1.01 * TUNING.barrier_wait, "stream")
+        assert not bench.comes(0.1 + TUNING.barrier_wait, "stream", mark="stream 1")
+        assert bench.comes(0.1 + 1.01 * TUNING.barrier_wait, "another")
+        assert bench.comes(0.1 + 1.01 * TUNING.barrier_wait, "stream", mark="stream 2")
+        with pytest.raises(WaitsError):
+            bench.comes(0.1 + 1.01 * TUNING.barrier_wait, "start")
 
-    quiet = bench.barrier.holds("start", 0.1, ordered=True)
-    bench.barrier.hold("start", 0.1, 1, hang, quiet=quiet)
-    bench.near.do()
-    bench.look()
-    bench.far.do()
-    bench.executor.do()
-    assert bench.went == ["stream"]
+    bench.comes(0.1, "start", job=hang)
+    bench.comes(0.1, "stream", mark="stream 0")
+    bench.round()
+    assert bench.went == ["another", "stream 0", "stream 1", "stream 2", "start"]
+    assert not bench.barrier._keys
 
 
 def test_a_barrier_that_is_closed_holds_nothing(bench):
-    """And what it held goes, for nothing is mirrored any more."""
+    """And what it held goes, what was about to go included, for nothing is mirrored any more."""
     bench.comes(0.1, "start")
-    bench.comes(0.1, "stream")
-    bench.barrier.close()
-    assert bench.went == ["start", "stream"]
+    bench.end()
+    bench.comes(0.1, "other")
+    bench.turn.meanwhile = bench.executor.do
+    bench.barrier.close(60.0)
+    assert bench.went == ["start", "other"]
     assert bench.comes(9.0, "later")
 
 
-def test_a_sample_that_cannot_go_holds_nothing_up(bench):
-    """Its place is free again."""
-    quiet = bench.barrier.holds("start", 0.1, ordered=True)
-    bench.barrier.hold("start", 0.1, 1, lambda: 1 / 0, quiet=quiet)
-    with pytest.raises(ZeroDivisionError):
-        bench.round()
+def test_a_sample_that_cannot_go_holds_nothing_up(bench, caplog):
+    """Its place is free again, and what is behind it goes; the log says what is lost."""
+    bench.comes(0.1, "start", job=lambda: 1 / 0)
+    bench.comes(0.1, "stream")
+    bench.round()
+    assert bench.went == ["stream"]
+    assert "a sample on start that was held is lost" in caplog.text
     assert bench.comes(0.2, "stream")
 
 
 def test_no_more_keys_are_remembered_than_there_is_room_for(bench, monkeypatch):
     """Those that were are quiet again."""
-    monkeypatch.setattr(barrier_module, "BOUNDS", replace(bounds.BOUNDS, keys=3))
-    for number in range(3):
-        bench.comes(0.1, f"key/{number}")
+    monkeypatch.setattr(barrier_module, "BOUNDS", replace(bounds.BOUNDS, keys=2))
+    assert not bench.comes(0.1, "start")
     bench.round()
     assert not bench.comes(0.2, "stream")
 
