@@ -48,6 +48,8 @@ class Barrier:
         self._turn = threading.Condition(threading.Lock())
         self._came: dict[str, float] = {}
         """When the last sample of each key came [s]."""
+        self._forgotten = -math.inf
+        """When it was forgotten of all keys: none of them was quiet before that [s]."""
         self._held: deque[_Held] = deque()
         self._keys = Counter[str]()
         """Of which keys samples are held or go, how many..."""
@@ -71,7 +73,8 @@ class Barrier:
         """
         if len(self._came) > BOUNDS.keys:
             self._came.clear()
-        came = self._came.get(key, -math.inf)
+            self._forgotten = now
+        came = self._came.get(key, self._forgotten)
         self._came[key] = now
         quiet = now >= came + TUNING.quiet_key
         if not (quiet or self._keys):
