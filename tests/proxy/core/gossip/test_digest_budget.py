@@ -425,3 +425,22 @@ def test_who_says_too_much_silences_nobody_for_good(splits):
             said[kind] += 1
             budget.sent(now, 60, 4, announces=kind != "news")
     assert said["news"] + said["parts"] > 4
+
+
+@pytest.mark.parametrize("size", [60, 300])
+def test_a_team_that_always_has_news_of_parts_stays_within_its_allowance(size):
+    """However much larger these are than the last ordinary news: nobody waits for the others any less for it."""
+    rate, copies, seconds, spent = 2000.0, 3, 60, 0
+    team = [budget_of(rate, robots=4, turn=turn) for turn in (0.0, 0.25, 0.5, 0.75)]
+    for each in team:
+        each.follow(0.0, splits=True, quiet=False, begins=False, window=0.5)
+    for step in range(100 * seconds):
+        now = step / 100
+        for each in team:
+            if each.due_in_turn(now, -math.inf, 0.5, copies) <= now:
+                each.sent(now, size, copies, announces=True)
+                spent += (size + OVERHEAD) * copies
+                for other in team:
+                    if other is not each:
+                        other.heard(now, size, copies)
+    assert 0.9 <= spent / (rate * seconds) <= 1.1
