@@ -29,8 +29,8 @@ class Followers:
     def __init__(self, inbox: Inbox) -> None:
         self._inbox = inbox
         self._leaders: dict[int, _Entry] = {}
-        self._following: dict[int, list[_Entry]] = {}
-        """Those that rest behind each leader."""
+        self._following: dict[int, dict[Place, _Entry]] = {}
+        """Those that rest behind each leader, and some that left."""
         self._keys: dict[str, dict[Place, int]] = {}
         """The same by key: the place of each, and the number of its leader."""
 
@@ -53,9 +53,9 @@ class Followers:
         """Of those whose leaders left, the ones that lead now may be taken."""
         for number in [number for number in self._leaders if number not in self._inbox]:
             del self._leaders[number]
-            followed = sorted(self._following.pop(number, ()))
+            followed = sorted(self._following.pop(number, {}).values())
             for entry in followed:
-                self._forget(entry)
+                self._forget(entry.key, entry.place)
             for entry in followed:
                 if self._inbox.rests_until(entry.place[-1]) is not None and self._follow(entry) is None:
                     self._inbox.wake_one(entry.place[-1])
@@ -71,26 +71,42 @@ class Followers:
         number = self._leader_of(entry)
         if number is None:
             return None
-        self._following.setdefault(number, []).append(entry)
+        self._forget(entry.key, entry.place)
+        self._following.setdefault(number, {})[entry.place] = entry
         self._keys.setdefault(entry.key, {})[entry.place] = number
         return self._leaders[number]
 
     def _leader_of(self, entry: _Entry) -> int | None:
         """Return the number of the sample behind which one rests: one of its key, or that which such a one follows."""
-        for at, number in self._keys.get(entry.key, {}).items():
-            if at < entry.place and number in self._leaders and self._inbox.rests_until(at[-1]) is not None:
-                return number
+        if (number := self._followed_by_its_key(entry)) is not None:
+            return number
         for number, leader in self._leaders.items():
             if leader.place < entry.place and (leader.key == entry.key or _finds_no_more(entry, leader)):
                 return number
         return None
 
-    def _forget(self, entry: _Entry) -> None:
+    def _followed_by_its_key(self, entry: _Entry) -> int | None:
+        """Return whom one of its key follows that comes before it; those before that one that left are forgotten.
+
+        Where none was, the next one took 2 ms behind 7,000 that had left.
+        """
+        found, gone = None, []
+        for at, number in self._keys.get(entry.key, {}).items():
+            if self._inbox.rests_until(at[-1]) is None:
+                gone.append(at)
+            elif at < entry.place and number in self._leaders:
+                found = number
+                break
+        for at in gone:
+            self._forget(entry.key, at)
+        return found
+
+    def _forget(self, key: str, at: Place) -> None:
         """One follows nobody any more."""
-        same = self._keys.get(entry.key, {})
-        same.pop(entry.place, None)
+        same = self._keys.get(key, {})
+        self._following.get(same.pop(at, -1), {}).pop(at, None)
         if not same:
-            self._keys.pop(entry.key, None)
+            self._keys.pop(key, None)
 
 
 def _finds_no_more(entry: _Entry, leader: _Entry) -> bool:

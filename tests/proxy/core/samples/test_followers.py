@@ -64,6 +64,16 @@ def test_what_comes_later_of_a_key_waits_for_one_that_follows_another_key(inbox,
     assert inbox.take().sample == 3
 
 
+def test_followers_that_left_are_forgotten_when_the_next_one_of_their_key_comes(inbox, followers):
+    """A leader waits for an hour where a window is as long. Of its followers each new one drives another one out."""
+    assert rests(inbox, followers, 1, 100, priority=1) is None
+    for number in range(2, 100):
+        assert rests(inbox, followers, number, 100, key="k") == 5.0
+    remembered = [len(each) for each in (*followers._following.values(), *followers._keys.values())]
+    assert len(remembered) == 2
+    assert max(remembered) <= 10
+
+
 def test_when_its_leader_has_left_it_may_be_taken(inbox, followers):
     """The first one of those that followed leads the others, as far as they are no smaller."""
     for number, size in ((1, 100), (2, 120), (3, 130), (4, 110)):
