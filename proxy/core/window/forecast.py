@@ -1,6 +1,7 @@
 """Which messages of the streams that compete are to be expected, and how far ahead a window looks."""
 
 from bisect import bisect_right
+from collections.abc import Sequence
 
 from proxy.core.coordination.claims import claim
 from proxy.core.forecast.patterns import MEMORYLESS
@@ -32,7 +33,8 @@ def forecast(
         after = now if decided else _unheard_since(now, view, c, limits, longest)
         times = c.stream.schedule.forecast(after, end, TUNING.forecasts_of_a_stream, now)
         c.expect(times or c.stream.schedule.forecast(after, until, 1, now))
-    _choose(candidates, limits.union)
+    if not limits.alone:
+        _choose(candidates, limits.union)
 
 
 def reach(now: float, candidates: list[Candidate], limits: Limits, most: int) -> float:
@@ -72,20 +74,36 @@ def _latency(view: SharedView, c: Candidate) -> float:
 
 
 def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
-    """Where far more is offered than can be sent expect only the smallest samples of bulky streams to be sent."""
+    """Where far more is offered than can be sent expect only the smallest samples of bulky streams to be sent.
+
+    Not within a part that is ours alone, in which there is seldom another sample of the kind to choose from: small ones
+    took its room, as the large one that was expected was always a later one. Of thirty robots with five streams of 0.1
+    to 4 kB some never sent the stream that is worth most to them, and all reached 92 % of a central decider instead of
+    96 (unicast, 2 to 100 ms, four seeds).
+    """
     uses = [use_of(round(c.stream.sizes.mean), c.copies, limits, own=c.own) for c in candidates]
-    periods = [max(c.stream.schedule.period, VIEW.least_period) for c in candidates]
-    offered = [sum([use[k] / period for use, period in zip(uses, periods, strict=True)]) for k in range(len(limits))]
-    carried = [
-        TUNING.offered * c.limit / c.window / rate for c, rate in zip(limits, offered, strict=True) if rate > 0.0
-    ]
-    part = max(TUNING.sent_at_least, min(carried, default=1.0))
-    if part >= 1.0:
+    rates = [1.0 / max(c.stream.schedule.period, VIEW.least_period) for c in candidates]
+    offers = [(c.worth, [rate * u for u in use]) for c, rate, use in zip(candidates, rates, uses, strict=True)]
+    if _sent_part(offers, limits) >= 1.0:
         return
     for c, use in zip(candidates, uses, strict=True):
         stream = c.stream
         bulky = any(u > TUNING.bulky * limit.limit for u, limit in zip(use, limits, strict=True))
         varied = stream.sizes.deviation > TUNING.varied * stream.sizes.mean and stream.schedule.kind != MEMORYLESS
-        if bulky and varied and not guaranteed(stream):
+        if not bulky or not varied or guaranteed(stream):
+            continue
+        part = _sent_part([offer for offer in offers if offer[0] >= TUNING.rival_worth * c.worth], limits)
+        if part < 1.0:
             chosen = [t for i, t in enumerate(c.times) if int((i + 1) * part) > int(i * part)]
             c.expect(chosen or c.times[-1:], stream.sizes.smallest(part))
+
+
+def _sent_part(offers: Sequence[tuple[float, Sequence[float]]], limits: tuple[Limit, ...]) -> float:
+    """Return what part of the samples is expected to be sent of streams that offer so much [limits' units/s]."""
+    offered = [sum([rates[k] for _, rates in offers]) for k in range(len(limits))]
+    carried = [
+        TUNING.offered * limit.limit / limit.window / rate
+        for limit, rate in zip(limits, offered, strict=True)
+        if rate > 0.0
+    ]
+    return max(TUNING.sent_at_least, min(carried, default=1.0))

@@ -1,5 +1,6 @@
 """Which messages are expected, of whom since when, and how far ahead."""
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -113,17 +114,19 @@ def test_others_random_samples_are_expected_from_now_on(make_specs):
     assert [m.t_gen for m in problem.messages if m.stream == 1] == [15.5]
 
 
-def offered(make_specs, sizes, *, robots=4, kind=""):
-    """Robots with frames of 10 Hz of these sizes, in turn, under a limit of 4 kB/s; the forecasts of each, by size."""
+def offered(make_specs, sizes, *, robots=4, kind="", scales=(1.0,), alone=False):
+    """Robots with frames of 10 Hz of these sizes, and worths, in turn, under a limit of 4 kB/s; what is expected."""
     view = make_view(make_specs(), horizon=400)
     for robot in range(robots):
         stream = view.streams.touch(10.0, f"r{robot + 1}", f"robot/r{robot + 1}/camera")
         stream.matching = True
         for count in range(100):
-            stream.note_generated(count + 1, Generated(0.1 * count + 0.02 * robot, sizes[count % len(sizes)], 1.0))
+            stream.note_generated(
+                count + 1, Generated(0.1 * count + 0.02 * robot, sizes[count % len(sizes)], scales[robot % len(scales)])
+            )
         if kind:
             stream.schedule.assume(0.1, kind)
-    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), [], union())[0]
+    problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), [], replace(union(), alone=alone))[0]
     return [m for m in problem.messages if not m.sent and m.t_gen > 10.0]
 
 
@@ -145,3 +148,17 @@ def test_else_all_samples_are(make_specs, sizes, robots, kind):
     """Where sizes are alike, or small beside the limit, or where most of them fit, nothing is gained by waiting."""
     messages = offered(make_specs, sizes, robots=robots, kind=kind)
     assert len(messages) >= 0.9 * robots * 10 * (max(m.t_gen for m in messages) - 10.0) - robots
+
+
+def test_within_a_part_of_our_own_all_samples_are_expected(make_specs):
+    """Where a later one was expected each time, small samples took the room of the one that came."""
+    few, every = (offered(make_specs, (1800, 2000, 2200), robots=1, alone=alone) for alone in (False, True))
+    assert len(few) < 0.5 * len(every)
+    assert [m.t_gen - 10.0 for m in every] == pytest.approx([0.1 * (n + 1) for n in range(len(every))], abs=0.01)
+
+
+def test_samples_of_little_worth_do_not_count_where_better_ones_are_chosen(make_specs):
+    """A part of the better ones fit; were all four streams alike, as few of each would be expected."""
+    count = Counter(m.stream for m in offered(make_specs, (1350, 1500, 1650), scales=(1.0, 0.1, 0.1, 0.1)))
+    best, *others = sorted(count.values(), reverse=True)
+    assert best >= 2 * max(others)
