@@ -101,8 +101,11 @@ def is_open(descriptor: int, inode: int) -> bool:
 
 def _unread(descriptor: int) -> int:
     try:
-        with socket.socket(fileno=os.dup(descriptor)) as known:
+        known = socket.socket(fileno=descriptor)
+        try:
             return int(_HELD.unpack_from(known.getsockopt(socket.SOL_SOCKET, _MEMINFO, _MEMORY))[0])
+        finally:
+            known.detach()  # it is Zenoh's
     except OSError:  # it was closed meanwhile
         return 0
 

@@ -1,7 +1,9 @@
 """Which sockets of this process are on a port, and whether they still are."""
 
+import os
 import socket
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -71,6 +73,21 @@ def test_a_socket_of_which_nothing_is_read_is_stuck():
         assert not sockets.stuck(7.0, 1.0, busy=False)
         assert sockets.stuck(8.5, 1.0, busy=False)
     assert not sockets.stuck(9.0, 1.0, busy=False)
+
+
+def test_a_file_in_the_place_of_a_socket_that_was_closed_is_left_alone(tmp_path):
+    """As one of a recording while the radio is off: each look left a descriptor, and soon there were no more."""
+    port, path = free_port(), tmp_path / "file"
+    sockets = GroupSockets(f"224.0.0.226:{port}")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        with sockets.found():
+            one.bind(("127.0.0.1", port))
+        with path.open("w") as file:
+            os.dup2(file.fileno(), one.fileno())
+        for _ in range(3):
+            assert not sockets.stuck(0.0, 1.0, busy=False)
+        assert sockets.closed
+        assert sum(each.resolve() == path for each in Path("/proc/self/fd").iterdir()) == 1
 
 
 @pytest.mark.parametrize("interface", ["lo", "127.0.0.1"])
