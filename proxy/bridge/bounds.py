@@ -81,6 +81,8 @@ class BridgeBounds:
     """An order is no longer than this [B]."""
     proof_bytes: int = 256 * 1024
     """Nor the proofs beside it, for all robots together: some 90 B for each [B]."""
+    answer_bytes: int = 1024 * 1024
+    """Nor what one robot answers to it; to read that takes up to 26 times as much memory [B]."""
     answers_bytes: int = 16 * 1024 * 1024
     """Answers to one order are no longer than this, all together [B]."""
 

@@ -131,7 +131,7 @@ class Fleet:
 
     def _passed_on(self, name: str, order: Order) -> list[Outcome]:
         expected = Counter(self._members())
-        outcomes = list(self._answered(expected, self._asked(name, order)))
+        outcomes = list(self._answered(expected, self._asked(name, order, expected)))
         silent = expected - Counter(outcome.robot for outcome in outcomes)
         outcomes += (Outcome(robot, obeyed=False, said=(_SILENT.format(name),)) for robot in silent.elements())
         with self._obeying:
@@ -164,7 +164,8 @@ class Fleet:
     def _challenge(self, guard: OrderGuard, _: bytes) -> Outcome:
         return Outcome(self._robot, obeyed=True, said=(guard.challenge(clock.monotonic()).hex(),))
 
-    def _asked(self, name: str, order: Order) -> Iterable[Outcome]:
+    def _asked(self, name: str, order: Order, expected: Counter[str]) -> Iterable[Outcome]:
+        """Yield what robots answer. Those of each name have room of their own, those that nobody knows share some."""
         replies = self._mesh.get(
             keys.fleet("*", name),
             payload=order.payload,
@@ -175,10 +176,15 @@ class Fleet:
             priority=zenoh.Priority.DATA_LOW,
             allowed_destination=zenoh.Locality.REMOTE,
         )
-        room = BOUNDS.answers_bytes
+        taken: Counter[str] = Counter()
         for reply in replies:
-            if reply.ok is not None and (size := len(reply.ok.payload)) <= room:
-                room -= size
+            if reply.ok is None:
+                continue
+            size, robot = len(reply.ok.payload), keys.robot_of(str(reply.ok.key_expr))
+            whose = robot if robot in expected else ""
+            room = BOUNDS.answer_bytes * max(1, expected[whose])
+            if taken[whose] + size <= room and taken.total() + size <= BOUNDS.answers_bytes:
+                taken[whose] += size
                 yield from _of_itself(reply.ok)
 
 

@@ -161,6 +161,33 @@ def test_a_robot_answers_for_itself_alone(team):
     assert answered
 
 
+def test_a_robot_that_answers_too_much_takes_no_room_from_others(stack, monkeypatch):
+    """Nor is it read: JSON of 16 MB takes up to 400 MB then, and systemd would kill the daemon."""
+    answered, lengths = threading.Event(), []
+    stack.callback(answered.set)
+    read = fleet_module.read_outcomes
+    monkeypatch.setattr(fleet_module, "read_outcomes", lambda raw: lengths.append(len(raw)) or read(raw))
+
+    def wait(raw):
+        return Outcome("r2", obeyed=answered.wait(60.0), said=(raw.decode(),))
+
+    def lie(query):
+        with query:
+            for size in (BOUNDS.answers_bytes, *[BOUNDS.answer_bytes] * 17):
+                query.reply(keys.fleet("r9", "mode"), b" " * size)
+        answered.set()
+
+    first = Robot(stack, "r1", members=("r2", "r9"))
+    Robot(stack, "r2", connect=(first.mesh_endpoint,), obey=wait)
+    liar = closing(stack, plain_session("peer", connect=(first.mesh_endpoint,)))
+    liar.declare_queryable(keys.fleet("r9", "mode"), zenoh.handlers.Callback(lie, indirect=False))
+    for key in (keys.fleet("r2", "mode"), keys.fleet("r9", "mode")):
+        querier = first.mesh.declare_querier(key)
+        wait_until(lambda querier=querier: querier.matching_status.matching, what="the queryables")
+    assert first.order("mode", b"pass")[:2] == [("r1", True, "did pass"), ("r2", True, "pass")]
+    assert sum(length > BOUNDS.answer_bytes // 2 for length in lengths) == 1
+
+
 def test_orders_are_taken_from_the_mesh_only_where_they_are_allowed(team):
     """What is not allowed is not even there to be asked."""
     assert list(answers(team[0].mesh, keys.fleet("*", "specs"), payload=b"x")) == []
