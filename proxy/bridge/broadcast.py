@@ -191,7 +191,7 @@ class Broadcast:
         """Look whether anybody is heard; a dead session hears nobody."""
         patience, since = TUNING.group_silent, clock.monotonic()
         while not self._stop.wait(TUNING.group_check):
-            stuck = self._sockets.stuck(clock.monotonic(), TUNING.group_unread, busy=bool(self._taking))
+            stuck = self._sockets.stuck(TUNING.group_unread, busy=bool(self._taking))
             if stuck or self._sockets.closed:
                 self._revive()
                 patience, since = TUNING.group_silent, clock.monotonic()

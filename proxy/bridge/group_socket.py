@@ -30,13 +30,13 @@ class GroupSockets:
         self._ever_found = False
         self._sockets: frozenset[tuple[int, int]] | None = None
         """None where that cannot be told."""
-        self._unread = 0, 0.0
-        """What waits to be read [B], and since when none of it was [s]."""
+        self._unread = 0, 0
+        """What waits to be read [B], and in how many looks none of it was."""
 
     @contextmanager
     def found(self) -> Iterator[None]:
         """Find those that are opened within."""
-        self._sockets, self._unread, before = None, (0, 0.0), sockets_on(self._group)
+        self._sockets, self._unread, before = None, (0, 0), sockets_on(self._group)
         yield
         sockets = sockets_on(self._group) - before
         self._ever_found |= bool(sockets)
@@ -50,15 +50,16 @@ class GroupSockets:
             return False
         return not (self._sockets and all(is_open(*each) for each in self._sockets))
 
-    def stuck(self, now: float, patience: float, *, busy: bool) -> bool:
-        """Whether nothing of what waits there was read for longer than `patience` [s]; while `busy` that means nothing.
+    def stuck(self, looks: int, *, busy: bool) -> bool:
+        """Whether nothing of what waits there was read in so many looks; while `busy` that means nothing.
 
-        To be asked often: what waits becomes less as it is read, at the latest when all of it is.
+        Nor does time: while a whole process stands still nobody reads, nor looks. What waits becomes less as it is
+        read, at the latest when all of it is.
         """
         unread = sum(_unread(descriptor) for descriptor, _ in self._sockets or ())
-        before, since = self._unread
-        self._unread = unread, now if busy or not before or unread < before else since
-        return unread > 0 and now - self._unread[1] > patience
+        before, count = self._unread
+        self._unread = unread, 0 if busy or not before or unread < before else count + 1
+        return unread > 0 and self._unread[1] >= looks
 
 
 def sockets_on(group: str) -> frozenset[tuple[int, int]]:

@@ -82,8 +82,8 @@ class BridgeTuning:
     group_silent: float = 2.5
     """The session is opened anew when nobody is heard for so long although there are others [s]; then after twice as
     long, and so on."""
-    group_unread: float = 1.0
-    """Zenoh reads within milliseconds: it hears nothing more when it has read nothing of what came for so long [s]."""
+    group_unread: int = 10
+    """Zenoh reads within milliseconds: it hears nothing more when so many looks find nothing read of what came."""
     longest_group_silent: float = 60.0
     """Nobody is waited for any longer than this before the session is opened anew [s]."""
 

@@ -265,7 +265,6 @@ def test_a_zenoh_node_without_lanes_deafens_a_robot_for_a_moment_only(stack, gro
 
 def test_who_is_busy_with_a_sample_is_not_taken_for_deaf(stack, group, monkeypatch):
     """An application that hangs may hold up a sample for seconds, and all that come after it."""
-    monkeypatch.setattr(broadcast_module, "TUNING", replace(TUNING, group_check=0.01, group_unread=0.0))
     first, _ = opened(stack, group)
     second, _ = opened(stack, group)
     wait_until(lambda: second.describe()["heard"] == 1, what="each other")
@@ -273,6 +272,7 @@ def test_who_is_busy_with_a_sample_is_not_taken_for_deaf(stack, group, monkeypat
     stack.callback(go_on.set)
     first.listen(lambda *_: taken.set() or go_on.wait())
     wait_until(lambda: second.put("k", "x") or taken.is_set(), what="a sample in hand")
+    monkeypatch.setattr(broadcast_module, "TUNING", replace(TUNING, group_check=0.01, group_unread=1))
     asked = Mock(wraps=first._sockets.stuck)
     monkeypatch.setattr(first._sockets, "stuck", asked)
     wait_until(lambda: second.put("k", "x") or asked.call_count > 20, what="some looks")
