@@ -64,7 +64,7 @@ class Broadcast:
 
     def __init__(self, group: str, interface: str, mesh: zenoh.Session, others: Callable[[], bool]) -> None:
         self._group = group
-        self._interface = interface
+        self._interface, self._radio = interface, ""
         self._mesh = mesh
         self._others = others
         self._hear: Hear = lambda _key, _sample: None
@@ -148,9 +148,9 @@ class Broadcast:
         }
 
     def _opened(self) -> zenoh.Session:
-        self._radio = interface_of(self._interface)
         try:
             with self._sockets.found():
+                self._radio = interface_of(self._interface, self._radio)
                 session = zenoh_session(broadcast_options(self._group, self._radio))
         except zenoh.ZError as error:
             where = f"mesh.interface {self._interface}, mesh.group {self._group}"

@@ -18,18 +18,21 @@ _ADDRESSES, _LINK_LOCAL = Path("/proc/net/if_inet6"), "20"
 _UP, _LOOPBACK, _RUNNING, _MULTICAST = 0x1, 0x8, 0x40, 0x1000
 
 
-def interface_of(configured: str) -> str:
+def interface_of(configured: str, known: str = "") -> str:
     """Return `configured`, or for "auto" the only interface that can do multicast. Raises `SessionError`.
 
-    Between several nobody but the operator knows which one is the radio; samples sent on another reach no robot.
+    Between several nobody but the operator knows which one is the radio; samples sent on another reach no robot. One
+    that is `known` to be the radio stays so when others come.
     """
     if configured != AUTO:
         return configured
     found = multicast_interfaces()
+    if known in found:
+        return known
     if len(found) == 1:
         return found[0]
-    known = f"there are {', '.join(found)}" if found else "there is none that is up and can do multicast"
-    raise SessionError(f'mesh.interface: to broadcast, name the interface of the radio instead of "auto": {known}')
+    what = f"there are {', '.join(found)}" if found else "there is none that is up and can do multicast"
+    raise SessionError(f'mesh.interface: to broadcast, name the interface of the radio instead of "auto": {what}')
 
 
 def multicast_interfaces() -> list[str]:

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.bridge import broadcast as broadcast_module
-from proxy.bridge import keys
+from proxy.bridge import keys, radio
 from proxy.bridge.broadcast import Broadcast, broadcast_options, pattern
 from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sessions import zenoh_session
@@ -292,6 +292,26 @@ def test_a_host_that_sends_nothing_is_not_blamed_on_strangers(stack, group, monk
     wait_until(lambda: made.describe()["reopened"], what="a session that sends")
     assert made.warnings() == []
     assert f"this host did not send (lo is off) on {group}: joined the group anew" in caplog.text
+
+
+def test_a_radio_that_nobody_named_is_kept_as_long_as_it_is_there(stack, group, monkeypatch, caplog):
+    """When it is gone one attempt in vain is enough, and strangers are not blamed for each look after it."""
+    found = [LOOPBACK]
+    monkeypatch.setattr(radio, "multicast_interfaces", lambda: found)
+    monkeypatch.setattr(broadcast_module, "TUNING", replace(TUNING, group_check=0.01))
+    made = Broadcast(group, "auto", closing(stack, plain_session("peer")), lambda: False)
+    stack.callback(made.close)
+    stray = stack.enter_context(Stray(group))
+    found[:] = ["eth0", LOOPBACK]
+    wait_until(lambda: stray.send() or made.describe()["reopened"], what="a session on the same radio")
+    found[:] = []
+    wait_until(lambda: stray.send() or "there is none" in caplog.text, what="an attempt in vain")
+    warnings = made.warnings()
+    asked = Mock(wraps=made._sockets.stuck)
+    monkeypatch.setattr(made._sockets, "stuck", asked)
+    wait_until(lambda: asked.call_count > 20, what="some looks")
+    assert made.warnings() == warnings
+    assert caplog.text.count("there is none") == 1
 
 
 def test_a_robot_that_is_deafened_as_its_session_opens_hears_again(stack, group):

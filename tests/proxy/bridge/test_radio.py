@@ -40,6 +40,15 @@ def test_the_operator_is_asked_when_it_is_not_clear(monkeypatch, found, complain
         interface_of("auto")
 
 
+def test_an_interface_that_is_known_to_be_the_radio_stays_so_when_others_come(monkeypatch):
+    """As when somebody plugs in a cable: the robot could not join its group anew."""
+    monkeypatch.setattr(radio, "multicast_interfaces", lambda: ["eth0", "wlan0"])
+    assert interface_of("auto", "wlan0") == "wlan0"
+    assert interface_of("wlan1", "wlan0") == "wlan1"
+    monkeypatch.setattr(radio, "multicast_interfaces", lambda: ["wlan1"])
+    assert interface_of("auto", "wlan0") == "wlan1"
+
+
 def test_a_group_of_ipv6_needs_an_address_that_is_not_link_local(monkeypatch, tmp_path):
     """Zenoh cannot send from such a one, and says only that an argument is invalid."""
     listed, group = tmp_path / "if_inet6", "[ff02::226]:7449"
