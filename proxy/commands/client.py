@@ -226,7 +226,7 @@ class Client:
             if reply.ok is not None:
                 answers.append(reply.ok.payload.to_string())
             else:
-                late = _late(reply.err)
+                late = _late(reply.err, TIMEOUT + longer)
         if not answers:
             own = key.startswith(f"{keys.PREFIX}/")
             who = f'of robot "{key.split("/")[1]}" ' if "*" not in key else ""
@@ -234,12 +234,12 @@ class Client:
         return answers
 
 
-def _late(error: zenoh.ReplyError | None) -> str:
-    """Word a time-out, which Zenoh tells like a refusal. Raises NoAnswerError for a real refusal."""
+def _late(error: zenoh.ReplyError | None, timeout: float) -> str:
+    """Word a time-out [s], which Zenoh tells like a refusal. Raises NoAnswerError for a real refusal."""
     refusal = error.payload.to_string() if error else "no reason given"
     if refusal != "Timeout":
         raise NoAnswerError(f"the daemon refuses: {refusal}")
-    return f" within {TIMEOUT:g} s"
+    return f" within {timeout:g} s"
 
 
 def ordered(name: str, arguments: argparse.Namespace, order: str, payload: bytes) -> int:
