@@ -16,6 +16,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from proxy.bridge.radio import index_of
+
 _TABLES = ("/proc/self/net/udp", "/proc/self/net/udp6")
 _MEMINFO, _MEMORY, _HELD = 55, 36, struct.Struct("@I")
 """SO_MEMINFO of <asm-generic/socket.h>, the size of what it gives, and its first number: what waits to be read [B]."""
@@ -87,7 +89,7 @@ def refusal(group: str, interface: str) -> str:
         address = ipaddress.ip_address(host.strip("[]"))
         if address.version == 4:
             return _refusal_v4(str(address), int(port), interface)
-        return _refusal_v6(str(address), int(port), socket.if_nametoindex(interface))
+        return _refusal_v6(str(address), int(port), index_of(interface))
     except OSError as error:
         return error.strerror or str(error)
 

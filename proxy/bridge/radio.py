@@ -1,7 +1,9 @@
 """Which network interface is the radio, when the configuration leaves it open."""
 
+import errno
 import fcntl
 import ipaddress
+import os
 import socket
 import struct
 from dataclasses import dataclass
@@ -67,11 +69,25 @@ def only_link_local(interface: str, group: str) -> bool:
     """Whether an interface has no address from which Zenoh can send to a `group` of IPv6: its own are link-local."""
     if not group.startswith("[") or _is_address(interface):
         return False
+    return all(scope == _LINK_LOCAL or name != interface for *_, scope, _, name in _listed())
+
+
+def index_of(interface: str) -> int:
+    """Return the number of an interface by its name, or by an address of IPv6 that it has. Raises OSError."""
+    if not _is_address(interface):
+        return socket.if_nametoindex(interface)
+    wanted = ipaddress.ip_address(interface).packed.hex()
+    for address, number, *_ in _listed():
+        if address == wanted:
+            return int(number, 16)
+    raise OSError(errno.EADDRNOTAVAIL, os.strerror(errno.EADDRNOTAVAIL))
+
+
+def _listed() -> list[list[str]]:
     try:
-        rows = [row.split() for row in _ADDRESSES.read_text().splitlines()]
+        return [row.split() for row in _ADDRESSES.read_text().splitlines()]
     except OSError:  # a kernel without IPv6
-        return True
-    return all(scope == _LINK_LOCAL or name != interface for *_, scope, _, name in rows)
+        return []
 
 
 class Scouted:

@@ -109,6 +109,7 @@ def test_a_host_says_why_it_cannot_send(group):
     assert refusal(group, "gone") == "no interface with this name"
 
 
-def test_an_address_that_no_interface_has_is_refused():
+@pytest.mark.parametrize(("group", "address"), [("224.0.0.226:7449", "192.0.2.7"), ("[ff02::226]:7449", "2001:db8::7")])
+def test_an_address_that_no_interface_has_is_refused(group, address):
     """As after the radio got another one."""
-    assert refusal("224.0.0.226:7449", "192.0.2.7") == "Cannot assign requested address"
+    assert refusal(group, address) == "Cannot assign requested address"

@@ -5,7 +5,7 @@ import socket
 import pytest
 
 from proxy.bridge import radio
-from proxy.bridge.radio import Scouted, interface_of, multicast_interfaces, only_link_local
+from proxy.bridge.radio import Scouted, index_of, interface_of, multicast_interfaces, only_link_local
 from proxy.errors import SessionError
 
 
@@ -62,6 +62,18 @@ def test_a_group_of_ipv6_needs_an_address_that_is_not_link_local(monkeypatch, tm
     assert not only_link_local("fd00::1", group)
     listed.write_text(f"{local}fd00{28 * '0'} 02 40 00 82    wlan0\n")
     assert not only_link_local("wlan0", group)
+
+
+def test_an_interface_has_a_number_by_its_name_and_by_its_address(monkeypatch, tmp_path):
+    """One that nobody has is said in the kernel's words."""
+    listed = tmp_path / "if_inet6"
+    monkeypatch.setattr(radio, "_ADDRESSES", listed)
+    listed.write_text(f"fd00{27 * '0'}1 0b 40 00 80    wlan0\n")
+    assert index_of("lo") == socket.if_nametoindex("lo")
+    assert index_of("fd00::1") == 11
+    for gone in ("fd00::2", "10.0.0.7"):
+        with pytest.raises(OSError, match="Cannot assign requested address"):
+            index_of(gone)
 
 
 def test_an_interface_that_comes_up_later_is_named(monkeypatch):
