@@ -72,7 +72,9 @@ class Broadcast:
         self._subscribers: list[Declaration] = []
         self._reopened, self._deafened = 0, 0
         self._taking = set[int]()
-        """Threads that are busy with a sample: Zenoh reads no further until then."""
+        """Threads that are busy with a sample: Zenoh reads no further until then..."""
+        self._taken, self._looked = 0, 0
+        """... and how many samples they were busy with, by now and at the last look."""
         self._silent = False
         """Whether nobody is heard although there are others, for a while already."""
         self._refusal = ""
@@ -186,13 +188,13 @@ class Broadcast:
                 self._attend(key, sample)
         finally:
             self._taking.discard(thread)
+            self._taken += 1
 
     def _run(self) -> None:
         """Look whether anybody is heard; a dead session hears nobody."""
         patience, since = TUNING.group_silent, clock.monotonic()
         while not self._stop.wait(TUNING.group_check):
-            stuck = self._sockets.stuck(TUNING.group_unread, busy=bool(self._taking))
-            if stuck or self._sockets.closed:
+            if self._stuck() or self._sockets.closed:
                 self._revive()
                 patience, since = TUNING.group_silent, clock.monotonic()
             elif _heard(self._session) or not self._others():
@@ -202,6 +204,12 @@ class Broadcast:
                 self._silent = True
                 self._reopen("nobody was heard")
                 patience, since = min(2.0 * patience, TUNING.longest_group_silent), clock.monotonic()
+
+    def _stuck(self) -> bool:
+        """Whether Zenoh reads nothing more. Where more comes than it can read, always as much waits."""
+        before, self._looked = self._looked, self._taken
+        busy = bool(self._taking) or self._looked != before
+        return self._sockets.stuck(TUNING.group_unread, busy=busy)
 
     def _revive(self) -> None:
         """Open a session anew that hears nothing more, once this host sends to the group.

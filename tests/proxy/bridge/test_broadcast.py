@@ -5,7 +5,7 @@ import socket
 import threading
 from dataclasses import replace
 from itertools import pairwise
-from unittest.mock import Mock
+from unittest.mock import Mock, call
 
 import pytest
 import zenoh
@@ -277,6 +277,18 @@ def test_who_is_busy_with_a_sample_is_not_taken_for_deaf(stack, group, monkeypat
     monkeypatch.setattr(first._sockets, "stuck", asked)
     wait_until(lambda: second.put("k", "x") or asked.call_count > 20, what="some looks")
     assert first.describe()["reopened"] == 0
+
+
+def test_who_takes_samples_is_not_taken_for_deaf(stack, group, monkeypatch):
+    """Where more large ones come than can be read, always as much waits."""
+    first, heard = opened(stack, group)
+    second, _ = opened(stack, group)
+    asked = Mock(return_value=False)
+    monkeypatch.setattr(first._sockets, "stuck", asked)
+    wait_until(lambda: second.put("k", "x") or heard, what="a sample")
+    wait_until(lambda: any(look.kwargs["busy"] for look in asked.call_args_list), what="a look that knows of it")
+    asked.reset_mock()
+    wait_until(lambda: asked.call_args == call(TUNING.group_unread, busy=False), what="a look when none comes")
 
 
 def test_a_host_that_sends_nothing_is_not_blamed_on_strangers(stack, group, monkeypatch, caplog):
