@@ -122,7 +122,7 @@ class Client:
         if len(answers) > 1:
             raise NoAnswerError(f"{len(answers)} daemons called {robot} answer at {self._where}; rename one of them")
         try:
-            answer: dict[str, Any] = json.loads(answers[0])
+            answer: dict[str, Any] = parsed(answers[0])
             known = isinstance(answer["streams"], list)
         except (ValueError, TypeError, KeyError):
             known = False
@@ -137,7 +137,7 @@ class Client:
     def specs(self, robot: str) -> tuple[str, dict[str, str]]:
         """Return the generation of the specs in force at `robot`, and their files by name. Raises NoAnswerError."""
         try:
-            told = json.loads(self._ask(keys.specs(robot), None)[0])
+            told = parsed(self._ask(keys.specs(robot), None)[0])
             return str(told["generation"]), {str(name): str(text) for name, text in told["files"].items()}
         except (ValueError, TypeError, KeyError, AttributeError):
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
@@ -146,7 +146,7 @@ class Client:
         """Have the daemon of `robot` profiled; return the profile. Raises NoAnswerError."""
         (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds)
         try:
-            return read(json.loads(answer))
+            return read(parsed(answer))
         except (ValueError, TypeError, KeyError):
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
 
@@ -154,7 +154,7 @@ class Client:
         """Have `robot` record, or not, as `told`; return what it says of that. Raises NoAnswerError."""
         answer = self._ask(keys.record(robot), json.dumps(told))[0]
         try:
-            found: dict[str, Any] = json.loads(answer)
+            found: dict[str, Any] = parsed(answer)
         except ValueError:
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
         return found
@@ -224,7 +224,7 @@ class Client:
         answers, late = [], ""
         for reply in replies:
             if reply.ok is not None:
-                answers.append(reply.ok.payload.to_string())
+                answers.append(_text(reply.ok.payload))
             else:
                 late = _late(reply.err, TIMEOUT + longer)
         if not answers:
@@ -234,9 +234,22 @@ class Client:
         return answers
 
 
+def parsed(answer: str) -> Any:
+    """Return what an answer says in JSON. Raises ValueError."""
+    try:
+        return json.loads(answer)
+    except RecursionError:
+        raise ValueError("brackets in brackets") from None
+
+
+def _text(payload: zenoh.ZBytes) -> str:
+    """Return the text that somebody sent, whatever it is."""
+    return payload.to_bytes().decode(errors="replace")
+
+
 def _late(error: zenoh.ReplyError | None, timeout: float) -> str:
     """Word a time-out [s], which Zenoh tells like a refusal. Raises NoAnswerError for a real refusal."""
-    refusal = error.payload.to_string() if error else "no reason given"
+    refusal = _text(error.payload) if error else "no reason given"
     if refusal != "Timeout":
         raise NoAnswerError(f"the daemon refuses: {refusal}")
     return f" within {timeout:g} s"
@@ -258,7 +271,7 @@ def ordered(name: str, arguments: argparse.Namespace, order: str, payload: bytes
 
 def _status(answer: str) -> dict[str, object]:
     """Read a status, of whose streams there may be rows under columns. Raises ValueError, TypeError or KeyError."""
-    status: dict[str, Any] = json.loads(answer)
+    status: dict[str, Any] = parsed(answer)
     if isinstance(streams := status.get("streams"), dict):
         status["streams"] = [dict(zip(streams["columns"], row, strict=True)) for row in streams["rows"]]
     return status

@@ -13,16 +13,18 @@ from tests.waiting import wait_until
 
 
 def test_a_refusal_is_told_in_the_daemons_words(stand_in):
-    """What the daemon refuses reaches the operator."""
+    """What the daemon refuses reaches the operator, whatever it is."""
+    words = [b"a mode is one of pass, shadow, enforce", b"\xff"]
 
     def refuse(query):
-        query.reply_err("a mode is one of pass, shadow, enforce")
+        query.reply_err(words.pop(0))
         query.drop()
 
-    where = stand_in({"@sendworthy/r1/mode": refuse})
-    with connected(where) as client, pytest.raises(NoAnswerError) as refused:
-        client.switch("r1", "fast")
-    assert str(refused.value) == "the daemon refuses: a mode is one of pass, shadow, enforce"
+    with connected(stand_in({"@sendworthy/r1/mode": refuse})) as client:
+        for told in ("a mode is one of pass, shadow, enforce", "\ufffd"):
+            with pytest.raises(NoAnswerError) as refused:
+                client.switch("r1", "fast")
+            assert str(refused.value) == f"the daemon refuses: {told}"
 
 
 def test_a_daemon_that_hangs_is_given_up(stand_in, monkeypatch):
@@ -46,6 +48,8 @@ STRANGE = (
     "hello",
     '{"robot":"r1","streams":{"rows":[[1]]}}',
     '{"robot":"r1","streams":{"columns":["key","type"],"rows":[["a"]]}}',
+    "[" * 100_000,
+    b"\xff",
 )
 
 
