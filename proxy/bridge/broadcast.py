@@ -75,6 +75,8 @@ class Broadcast:
         """Threads that are busy with a sample: Zenoh reads no further until then..."""
         self._taken, self._looked = 0, 0
         """... and how many samples they were busy with, by now and at the last look."""
+        self._panicked: zenoh.Session | None = None
+        """The session whose routes are lost."""
         self._silent = False
         """Whether nobody is heard although there are others, for a while already."""
         self._refusal = ""
@@ -93,14 +95,14 @@ class Broadcast:
     def put(self, key: zenoh.KeyExpr | str, payload: Any, **options: Any) -> None:
         """Publish as `zenoh.Session.put` does."""
         if on_air(str(key)):
-            self._session.put(f"{ON_AIR}/{key}", payload, **options)
+            self._broadcast(zenoh.Session.put, key, payload, **options)
         else:
             self._mesh.put(key, payload, **options)
 
     def delete(self, key: zenoh.KeyExpr | str, **options: Any) -> None:
         """Delete as `zenoh.Session.delete` does."""
         if on_air(str(key)):
-            self._session.delete(f"{ON_AIR}/{key}", **options)
+            self._broadcast(zenoh.Session.delete, key, **options)
         else:
             self._mesh.delete(key, **options)
 
@@ -115,7 +117,7 @@ class Broadcast:
 
     def announce(self, key: str, payload: bytes) -> None:
         """Broadcast a digest."""
-        self._session.put(f"{ON_AIR}/{key}", payload, **ANNOUNCED)
+        self._broadcast(zenoh.Session.put, key, payload, **ANNOUNCED)
 
     def close(self) -> None:
         """Leave the group."""
@@ -149,6 +151,16 @@ class Broadcast:
             "reopened": self._reopened,
         }
 
+    def _broadcast(self, say: Callable[..., None], key: zenoh.KeyExpr | str, *payload: Any, **options: Any) -> None:
+        """Say something on the air; at a panic of Zenoh it is lost, and the session opened anew."""
+        session = self._session
+        try:
+            say(session, f"{ON_AIR}/{key}", *payload, **options)
+        except BaseException as error:
+            if not _is_panic(error):
+                raise
+            self._panicked = session
+
     def _opened(self) -> zenoh.Session:
         try:
             with self._sockets.found():
@@ -161,7 +173,13 @@ class Broadcast:
             else:
                 reason = reason_of(error).partition(": [")[2]
             raise SessionError(f"{where}: cannot broadcast: {reason}") from error
-        self._subscribe(session)
+        try:
+            self._subscribe(session)
+        except BaseException as error:
+            _close(session)
+            if not _is_panic(error):
+                raise
+            raise SessionError(f"mesh.group {self._group}: cannot broadcast: {error}") from error
         return session
 
     def _subscribe(self, session: zenoh.Session) -> None:
@@ -194,7 +212,7 @@ class Broadcast:
         """Look whether anybody is heard; a dead session hears nobody."""
         patience, since = TUNING.group_silent, clock.monotonic()
         while not self._stop.wait(TUNING.group_check):
-            if self._stuck() or self._sockets.closed:
+            if self._stuck() or self._sockets.closed or self._panicked is self._session:
                 self._revive()
                 patience, since = TUNING.group_silent, clock.monotonic()
             elif _heard(self._session) or not self._others():
@@ -216,7 +234,7 @@ class Broadcast:
 
         Zenoh gives up on it where the radio is off, too.
         """
-        before, self._refusal = self._refusal, refusal(self._group, self._radio)
+        before, self._refusal, self._panicked = self._refusal, refusal(self._group, self._radio), None
         if not self._refusal:
             self._deafened += not before
             self._reopen(f"this host did not send ({before})" if before else _STRAY)
@@ -245,6 +263,11 @@ def pattern(number: int) -> str:
         for i, letter in enumerate(ON_AIR[1:])
     )
     return ON_AIR[0] + re.sub(r"(\$\*)+", "$*", "".join(parts))
+
+
+def _is_panic(error: BaseException) -> bool:
+    """Whether Zenoh panicked, as at all that is said and declared after a stranger declared what is no key."""
+    return type(error).__name__ == "PanicException"  # of no module
 
 
 def _heard(session: zenoh.Session) -> int:

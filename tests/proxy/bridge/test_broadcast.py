@@ -338,6 +338,48 @@ def test_a_robot_that_is_deafened_as_its_session_opens_hears_again(stack, group)
     wait_until(lambda: second.put("k", "x") or heard, what="a sample")
 
 
+def test_a_forged_declaration_silences_a_robot_for_a_moment_only(stack, group):
+    """Zenoh panics at each sample after one of what is no key expression, which ended the daemon."""
+    first, heard = opened(stack, group)
+    second, answered = opened(stack, group)
+    stray = stack.enter_context(Stray(group))
+    said = recorded(stack, group, f"{keys.ON_AIR[:-1]}$*/forged")
+
+    def forge():
+        for datagram in said:
+            stray.send(datagram.replace(b"$*/forged", b"$x/forged").replace(b"\xa1\xb2", b"\xa1\xb3"))
+        first.put("k", "lost")
+        return first.describe()["reopened"]
+
+    wait_until(forge, what="a session anew")
+    heard.clear()
+    wait_until(lambda: second.put("k", "x") or ("k", "x") in heard, what="a sample")
+    wait_until(lambda: first.put("k", "y") or ("k", "y") in answered, what="another one")
+
+
+def recorded(stack, group, key):
+    """Return what a node says on a group that joins it and declares a subscriber on a key."""
+    address, port = group.split(":")
+    air = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+    air.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    air.settimeout(60.0)
+    air.bind((address, int(port)))
+    member = socket.inet_aton(address) + socket.inet_aton("127.0.0.1")
+    air.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+    said = []
+
+    def record(part):
+        while not said or part not in said[-1][0]:
+            said.append(air.recvfrom(65_536))
+        return said[-1][1]
+
+    with zenoh_session({**broadcast_options(group, LOOPBACK), "id": "b2a1"}) as node:
+        where = record(b"\xa1\xb2")
+        node.declare_subscriber(key, zenoh.handlers.Callback(print, indirect=False))
+        record(key.encode())
+    return [datagram for datagram, at in said if at == where]
+
+
 class Stray(socket.socket):
     """What is no robot and sends to a group."""
 
@@ -347,9 +389,9 @@ class Stray(socket.socket):
         address, port = group.split(":")
         self._group = address, int(port)
 
-    def send(self):
-        """Send one byte, which Zenoh cannot decode."""
-        self.sendto(b"x", self._group)
+    def send(self, datagram=b"x"):
+        """Send something; one byte Zenoh cannot decode."""
+        self.sendto(datagram, self._group)
 
 
 def test_options_have_lanes_for_priorities_and_nothing_but_the_group():
