@@ -16,8 +16,8 @@ A large team would take a minute to agree on parts. There each robot has an equa
 may use more of it than it is (`overbooking.py`); larger messages go by turns of the clock (`clock_turns.py`). So it is
 in a smaller team where announcements cost too much and no message is much larger than such a part, but for the turns.
 Where an operator asked for `split` it is an equal part and no more. Fifty robots with streams of 0.1 to 4 kB reached
-94 % of a central decider so, in unicast as in broadcast, with no window over the limit; agreeing on parts they reached
-41, and where all overheard all 94 with 60 % of the windows over.
+96 % of a central decider so, in unicast as in broadcast; agreeing on parts they reached 41, and where all overheard all
+94 with 60 % of the windows over.
 """
 
 import math
