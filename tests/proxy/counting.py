@@ -10,11 +10,12 @@ from tests.ports import free_port
 class Counting:
     """Passes TCP connections on to `endpoint`, unless it is `cut`; `carried` are the bytes that came from there.
 
-    A bytearray `taps` gets all that goes either way.
+    A bytearray `taps` gets all that goes either way. Of what goes to `endpoint` some bytes are `replaced` by others.
     """
 
-    def __init__(self, endpoint, *, cut=False, taps=None):
+    def __init__(self, endpoint, *, cut=False, taps=None, replaced=()):
         self._taps = taps
+        self._replaced = dict(replaced)
         self._target = int(endpoint.rsplit(":", 1)[1])
         port = free_port()
         self.endpoint = f"tcp/127.0.0.1:{port}"
@@ -78,6 +79,8 @@ class Counting:
         with suppress(OSError):
             while data := source.recv(65536):
                 if source not in self._lost:
+                    for some, others in () if counted else self._replaced.items():
+                        data = data.replace(some, others)
                     self.carried += len(data) * counted
                     if self._taps is not None:
                         self._taps += data

@@ -1,11 +1,9 @@
 """Configurations of both sessions, and what happens when one cannot be opened."""
 
 import json
-import socket
 import subprocess
 import sys
 import threading
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -13,6 +11,7 @@ import zenoh
 
 from proxy.bridge.sessions import MESH_GROUP, app_options, bounded, merged, mesh_options, open_session
 from proxy.errors import PortInUseError, SessionError
+from tests.proxy.counting import Counting
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
 
@@ -143,42 +142,16 @@ def test_access_control_refuses_what_is_no_key_expression(stack):
     """Without it Zenoh panics at each new key after such a declaration, which ends the daemon."""
     endpoint = free_endpoint()
     robot = closing(stack, open_session(mesh(endpoint, zenoh_options={"access_control": ALLOWING}), "mesh"))
-    port, forged = forging(stack, endpoint, {b"k$*/forged": b"k$x/forged", b"tok$*en": b"tok$xen"})
-    forger = closing(stack, plain_session("client", connect=(f"tcp/127.0.0.1:{port}",)))
+    carried, forged = bytearray(), {b"k$*/forged": b"k$x/forged", b"tok$*en": b"tok$xen"}
+    relay = stack.enter_context(Counting(endpoint, taps=carried, replaced=forged))
+    forger = closing(stack, plain_session("client", connect=(relay.endpoint,)))
     forger.declare_subscriber("k$*/forged", zenoh.handlers.Callback(print, indirect=False))
     forger.declare_queryable("k$*/forged", zenoh.handlers.Callback(print, indirect=False))
     forger.liveliness().declare_token("tok$*en")
     heard = Heard(forger, "key/**")
-    wait_until(lambda: len(forged) == 3, what="all that is forged")
+    wait_until(lambda: sum(map(carried.count, forged.values())) == 3, what="all that is forged")
     numbers = iter(range(1_000_000))
     wait_until(lambda: robot.put(f"key/{next(numbers)}", "x") or heard.samples, what="a sample of a new key")
-
-
-def forging(stack, endpoint, replaced):
-    """Pass on what one node sends to `endpoint`, with words replaced; return at which port, and the words so far."""
-    near, forged = stack.enter_context(socket.create_server(("127.0.0.1", 0))), []
-    host, port = endpoint.partition("/")[2].rsplit(":", 1)
-    far = stack.enter_context(socket.create_connection((host, int(port))))
-
-    def forge(data):
-        for word, other in replaced.items():
-            forged.extend([word] * data.count(word))
-            data = data.replace(word, other)
-        return data
-
-    def carry(source, target, alter):
-        with suppress(OSError):  # closed, as the test is over
-            while data := source.recv(65_536):
-                target.sendall(alter(data))
-            target.shutdown(socket.SHUT_WR)
-
-    def accept():
-        link = stack.enter_context(near.accept()[0])
-        threading.Thread(target=carry, args=(far, link, bytes), daemon=True).start()
-        carry(link, far, forge)
-
-    threading.Thread(target=accept, daemon=True).start()
-    return near.getsockname()[1], forged
 
 
 def test_the_users_zenoh_options_win(stack):
