@@ -83,24 +83,26 @@ def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
     """
     uses = [use_of(round(c.stream.sizes.mean), c.copies, limits, own=c.own) for c in candidates]
     rates = [1.0 / max(c.stream.schedule.period, VIEW.least_period) for c in candidates]
-    offers = [(c.worth, [rate * u for u in use]) for c, rate, use in zip(candidates, rates, uses, strict=True)]
+    offers = [[rate * u for u in use] for rate, use in zip(rates, uses, strict=True)]
     if _sent_part(offers, limits) >= 1.0:
         return
-    for c, use in zip(candidates, uses, strict=True):
+    worths = [c.worth for c in candidates]
+    for c, use, worth in zip(candidates, uses, worths, strict=True):
         stream = c.stream
         bulky = any(u > TUNING.bulky * limit.limit for u, limit in zip(use, limits, strict=True))
         varied = stream.sizes.deviation > TUNING.varied * stream.sizes.mean and stream.schedule.kind != MEMORYLESS
         if not bulky or not varied or guaranteed(stream):
             continue
-        part = _sent_part([offer for offer in offers if offer[0] >= TUNING.rival_worth * c.worth], limits)
+        least = TUNING.rival_worth * worth
+        part = _sent_part([offer for offer, other in zip(offers, worths, strict=True) if other >= least], limits)
         if part < 1.0:
             chosen = [t for i, t in enumerate(c.times) if int((i + 1) * part) > int(i * part)]
             c.expect(chosen or c.times[-1:], stream.sizes.smallest(part))
 
 
-def _sent_part(offers: Sequence[tuple[float, Sequence[float]]], limits: tuple[Limit, ...]) -> float:
+def _sent_part(offers: Sequence[Sequence[float]], limits: tuple[Limit, ...]) -> float:
     """Return what part of the samples is expected to be sent of streams that offer so much [limits' units/s]."""
-    offered = [sum([rates[k] for _, rates in offers]) for k in range(len(limits))]
+    offered = [sum([offer[k] for offer in offers]) for k in range(len(limits))]
     carried = [
         TUNING.offered * limit.limit / limit.window / rate
         for limit, rate in zip(limits, offered, strict=True)
