@@ -40,6 +40,15 @@ nobody gives way to its claim, which only grows, and it gives way to all that pa
 for such streams by turns: twelve robots with three streams each, of which one paid for its room, reached 28 to 52 % of
 a central decider, and reach 70 to 91 now, with no window over the limit (15 s).
 
+A contested stream gives way to contested ones alone: priced ones send now and then in room that is booked for them, and
+their claims grow for as long. With large samples that last for half a second, beside small ones that last longer,
+nobody led, two of eight robots went on as they had begun, and five never sent a large one; they reached 72 % of a
+central decider, and reach 83 now (unicast, 20 ms).
+
+A claim that finds no room in what is free holds up nothing but where it is the best, for which room is left: twelve
+robots with three streams each, the largest of 0.4 limits, sent half of what a central decider sent of the others, and
+reached 88 % of its utility; now 98 (broadcast, 20 ms).
+
 Of a stream that never sent a receiver has nothing, so its claim is the best. Of two such the name decides: when each
 began is known to others from numbers alone, and where they compared that each of two took the other's claim for the
 better one, and both waited; where they compared what a byte gains several led, as each knew other sizes. Of eight
@@ -79,8 +88,8 @@ class Lead:
 
     def __init__(self, view: SharedView, disputes: Disputes) -> None:
         self._view, self._disputes = view, disputes
-        self._known: tuple[float, int, tuple[Limit, ...]] = -math.inf, -1, ()
-        """When it was looked at [s], after how many changes of how streams stand, and under which limits."""
+        self._known: tuple[float, int, tuple[Limit, ...], Standing] = -math.inf, -1, (), Standing.CONTESTED
+        """When it was looked at [s], after how many changes of how streams stand, under which limits, and for whom."""
         self._best: Claim = NOBODY
         """The best claim of others then."""
 
@@ -88,7 +97,7 @@ class Lead:
         """Whether a periodic stream of ours has the best claim: the others leave it the room that opens next."""
         if not _waits(stream):
             return False
-        known = now, self._disputes.revision, limits
+        known = now, self._disputes.revision, limits, self._disputes.weighed(stream).standing
         if known != self._known:
             claims = _claims(now, self._view, self._disputes, stream, limits)
             self._known, self._best = known, max((theirs for theirs, _ in claims), default=NOBODY)
@@ -108,13 +117,15 @@ def rivals(
     limits: tuple[Limit, ...],
     *,
     grew: Callable[[float], float],
+    free: Sequence[float],
     agreed: bool = False,
 ) -> tuple[tuple[float, ...], float]:
     """Return what samples of others with a better claim than ours of a stream use that may be sent about now.
 
     And until when at least, as far as they are not heard of [s]. There are none where all plans are `agreed` on them.
     The best of them may have waited until the room last `grew`, as it is told of a time; each may have given way to who
-    sent last, and to those before it, until it was known what became of them.
+    sent last, and to those before it, until it was known what became of them. Who finds no room in what is `free` sends
+    nothing, but for the best, which room is left for.
     """
     claims = [] if agreed else _claims(now, view, disputes, stream, limits)
     claims = [(theirs, each) for theirs, each in claims if _pays(each, disputes)]
@@ -126,6 +137,7 @@ def rivals(
     if _is_late(now, view, disputes, stream, grew=opened, leads=all(theirs < ours for theirs, _ in claims)):
         ours = NOBODY
     better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
+    better[1:] = [entry for entry in better[1:] if _finds_room(entry[1], view, limits, free)]
     last = max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
     decided = min(last, now) + news
     for rank, (_, each) in enumerate(better):
@@ -187,12 +199,15 @@ def _claims(
 ) -> list[tuple[Claim, Stream]]:
     """Return the contested streams of other robots that are large, with their claims as these are compared with ours.
 
-    Small ones that are new are soon something else.
+    Small ones that are new are soon something else. Priced ones count where ours is one, too: they have a booked room
+    of their own.
     """
+    contested = disputes.weighed(stream).standing is Standing.CONTESTED
+    claiming = CLAIMING[:1] if contested else CLAIMING
     return [
         (_theirs(now, each, stream), each)
         for each in view.contention.all(now)
-        if each.robot != stream.robot and disputes.weighed(each).standing in CLAIMING and is_large(each, view, limits)
+        if each.robot != stream.robot and disputes.weighed(each).standing in claiming and is_large(each, view, limits)
     ]
 
 
@@ -201,6 +216,13 @@ def _pays(stream: Stream, disputes: Disputes) -> bool:
     weighed, sizes = disputes.weighed(stream), stream.sizes
     least = max(sizes.mean - sizes.deviation, 0.0) / max(sizes.mean, 1.0)
     return weighed.most >= TUNING.claim_pays * least * weighed.cost
+
+
+def _finds_room(stream: Stream, view: SharedView, limits: tuple[Limit, ...], free: Sequence[float]) -> bool:
+    """Whether one of the smaller samples of another robot's stream finds room in what is free."""
+    size = stream.sizes.mean - TUNING.larger_deviations * stream.sizes.deviation
+    use = use_of(max(1, round(size)), view.subscribers.copies(stream), limits, own=False)
+    return all(amount <= room for amount, room in zip(use, free, strict=True))
 
 
 def is_large(stream: Stream, view: SharedView, limits: tuple[Limit, ...]) -> bool:

@@ -10,6 +10,7 @@ from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, allowance_of, changes_plans, exceeds, shortest_window, use_of
 from proxy.core.model.transport import is_broadcast
 from proxy.core.protocol.messages import Digest
+from proxy.core.split.agreement import Agreement
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
@@ -121,10 +122,12 @@ class Team:
         """
         return max(self._view.staleness.longest_way, min(self._took, default=0.0), waiting)
 
-    def wait(self, now: float, waiting: float, *, pending: bool) -> None:
-        """Robots have yet to agree on parts, or not; where that takes too long they do without for a while."""
-        agreeing = pending and bool(self.members) and not self.large
-        self._stuck = self.patience.is_over(now, self.news_take(waiting), pending=agreeing)
+    def wait(self, now: float, waiting: float, agreement: Agreement | None) -> None:
+        """Robots may have yet to agree on parts; where that takes too long they do without for a while."""
+        agreeing, agreed = False, False
+        if agreement is not None and self.members and not self.large:
+            agreeing, agreed = agreement.pending, agreement.formed
+        self._stuck = self.patience.is_over(now, self.news_take(waiting), pending=agreeing, agreed=agreed)
         dear = self.gave_up or self._dear_since < math.inf
         self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))
 

@@ -145,7 +145,14 @@ class Appraisal:
         if any(amount > c.limit for amount, c in zip(use, budget.usable(now), strict=True)):
             return (), math.inf  # there never is room beside it
         taken, until = rivals(
-            now, self.view, self.disputes, stream, budget.limits, grew=partial(grew, budget), agreed=budget.agreed
+            now,
+            self.view,
+            self.disputes,
+            stream,
+            budget.limits,
+            grew=partial(grew, budget),
+            free=budget.free(now),
+            agreed=budget.agreed,
         )
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 

@@ -1,6 +1,7 @@
 """Two robots that would send in the same moment: the one with the better claim does."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -8,6 +9,7 @@ from proxy.core.coordination.claims import CLAIMING, Lead, both, claim, news_tak
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.market.disputes import Disputes
+from proxy.core.market.standing import Standing
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
@@ -38,11 +40,11 @@ def taken(view, now, *, grew=-math.inf):
     return judged(view, now, grew=grew)[0]
 
 
-def judged(view, now, *, grew=-math.inf, agreed=False):
+def judged(view, now, *, grew=-math.inf, agreed=False, free=math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(now, limits, alone=False)
     stream = view.streams.known("r1", "robot/r1/camera")
-    return rivals(now, view, disputes, stream, limits, grew=lambda _: grew, agreed=agreed)
+    return rivals(now, view, disputes, stream, limits, grew=lambda _: grew, free=(free,), agreed=agreed)
 
 
 def generated(view, t):
@@ -187,6 +189,21 @@ def test_who_gave_way_counts_for_as_long_as_it_may_be_undecided(view):
     assert taken(view, 10.0 + 2.6 * news) == (0.0,)
 
 
+def test_who_finds_no_room_holds_nobody_up_but_with_the_best_claim(view):
+    """All others would wait for what is not sent; for the best claim they leave the room that there is."""
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    third = view.streams.touch(0.0, "r3", "robot/r3/camera")
+    third.matching = True
+    for count in range(100):
+        third.note_generated(count + 1, Generated(count * PERIOD, 2 * SIZE, 1.0))
+    sent(view, "r3", 9.8)
+    now = 10.0 + 0.5 * TUNING.deciding
+    assert judged(view, now)[0] == (3 * SIZE,)
+    assert judged(view, now, free=1.5 * SIZE)[0] == (SIZE,)
+    assert judged(view, now, free=0.5 * SIZE)[0] == (SIZE,)
+
+
 def test_nobody_waits_for_who_gave_way_to_a_sample_whose_time_is_hardly_known(view):
     """It counts for as long as it may come; what becomes of those behind it is known as soon as without it."""
     sent(view, "r1", 9.9)
@@ -304,6 +321,23 @@ def test_of_two_that_have_just_met_the_name_decides_until_digests_tell_of_large_
     news = StreamDigest(1, 5, 0, 9.0, 0.0, size, 1.0)
     view.heard_digest(10.0, Digest(robot, tag(f"z-{robot}"), 9.9, streams=(news,)))
     assert taken(view, 10.5) == (0.0,)
+
+
+@pytest.mark.parametrize("ours", CLAIMING)
+def test_a_contested_stream_does_not_wait_for_a_priced_one(view, monkeypatch, ours):
+    """That has a room of its own; of two priced ones the claims decide."""
+    limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
+    disputes.advance(10.0, limits, alone=False)
+    stream, weighed = view.streams.known("r1", "robot/r1/camera"), disputes.weighed
+    monkeypatch.setattr(
+        disputes, "weighed", lambda s: replace(weighed(s), standing=ours if s is stream else Standing.PRICED)
+    )
+    sent(view, "r1", 9.9)
+    sent(view, "r2", 9.0)
+    now = 10.0 + 0.5 * TUNING.deciding
+    expected = 0.0 if ours is Standing.CONTESTED else SIZE
+    assert rivals(now, view, disputes, stream, limits, grew=lambda _: -math.inf, free=(math.inf,))[0] == (expected,)
+    assert Lead(view, disputes).has(now, stream, limits) is (ours is Standing.CONTESTED)
 
 
 def test_the_best_claim_may_have_waited_for_the_room_that_opened(view):

@@ -22,6 +22,14 @@ def test_late_news_are_given_more_time():
     assert patience.is_over(LONG + TUNING.agreement_news, 1.0, pending=True)
 
 
+def test_what_was_agreed_on_before_goes_on_for_longer():
+    """It is better than none."""
+    patience = Patience()
+    assert not patience.is_over(0.0, 0.0, pending=True, agreed=True)
+    assert not patience.is_over(2.0 * LONG, 0.0, pending=True, agreed=True)
+    assert patience.is_over(REST, 0.0, pending=True, agreed=True)
+
+
 def test_each_attempt_in_vain_is_followed_by_a_longer_rest():
     """Up to a longest one; and an agreement makes it short again."""
     patience, now, rests = Patience(), 0.0, []
