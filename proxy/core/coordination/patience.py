@@ -1,8 +1,10 @@
 """How long one waits for an agreement that does not come.
 
-Not long where there is none at all. Where there is one, and others are asked for, that goes on and is better than none:
-of ten robots with equal messages one changed what it asked for, not all had agreed after 6 s, and they gave up what
-they had for a minute; they reached 79 % of a central decider, and reach 98 now (few important, unicast, 20 ms to 1 s).
+Longer where there is one, which goes on while another one is pending, and which is worth much more than equal parts. Of
+ten robots with equal messages one changed what it asked for, not all had agreed after 6 s, and they gave up for a
+minute what they had; they reached 79 % of a central decider, and reach 98 now (few important, unicast, 20 ms to 1 s).
+Where it is worth hardly more, equal parts are better than slots whose turns nobody can afford to announce: twelve
+robots with messages of a tenth of 0.3 Mbit/s reached 74 %, and 42 where they did not give up.
 """
 
 import math
@@ -18,7 +20,7 @@ class Patience:
         self._rest = TUNING.retry_time
 
     def is_over(self, now: float, news_take: float, *, pending: bool, agreed: bool = False) -> bool:
-        """Return whether nobody should wait now; news take so long [s]. `agreed`: what was agreed on before goes on."""
+        """Return whether nobody should wait now; news take so long [s]. `agreed`: what was before goes on."""
         if now < self._rests_until:
             return True
         if not pending:

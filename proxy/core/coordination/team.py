@@ -11,6 +11,7 @@ from proxy.core.model.limits import Limit, allowance_of, changes_plans, exceeds,
 from proxy.core.model.transport import is_broadcast
 from proxy.core.protocol.messages import Digest
 from proxy.core.split.agreement import Agreement
+from proxy.core.split.proposal import outdoes_equal
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
@@ -126,7 +127,7 @@ class Team:
         """Robots may have yet to agree on parts; where that takes too long they do without for a while."""
         agreeing, agreed = False, False
         if agreement is not None and self.members and not self.large:
-            agreeing, agreed = agreement.pending, agreement.formed
+            agreeing, agreed = agreement.pending, outdoes_equal(agreement)
         self._stuck = self.patience.is_over(now, self.news_take(waiting), pending=agreeing, agreed=agreed)
         dear = self.gave_up or self._dear_since < math.inf
         self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))

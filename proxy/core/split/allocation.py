@@ -70,6 +70,11 @@ class Allocation:
         return all(abs(one - two) <= TUNING.alike_part * max(one, two) + TUNING.alike_units for one, two in amounts)
 
 
+def worth_of_equal(bids: Mapping[str, Bid]) -> float:
+    """Return what slots would be worth to all together that each had an equal part of, as `Allocation.worth` does."""
+    return sum(_worth(bid, UNIT / len(bids), UNIT) for bid in bids.values())
+
+
 def _worth(bid: Bid, room: float, largest: float) -> float:
     """Return what slots are worth to a robot that has so much room in the mean, as `Allocation.worth` does.
 

@@ -2,6 +2,7 @@
 
 from proxy.core.protocol.bid import Bid, alike, alike_but_for_slots, few_parts
 from proxy.core.split.agreement import Agreement
+from proxy.core.split.allocation import worth_of_equal
 from proxy.core.split.tuning import TUNING
 
 
@@ -9,6 +10,15 @@ def worthwhile(agreement: Agreement, bid: Bid) -> bool:
     """Whether our bid should be this one from now on."""
     same = alike(agreement.bid[1], bid) or indifferent(agreement, bid)
     return not same or starves(agreement, bid)
+
+
+def outdoes_equal(agreement: Agreement) -> bool:
+    """Whether the parts that all agreed on are worth more to them than equal ones: few ask for what is worth most."""
+    if not agreement.formed:
+        return False
+    table = agreement.log.agreed
+    bids = {tag: entry[1] for tag, entry in table.entries.items() if entry is not None}
+    return table.allocation.worth(bids) > TUNING.unequal_gain * worth_of_equal(bids)
 
 
 def indifferent(agreement: Agreement, bid: Bid) -> bool:

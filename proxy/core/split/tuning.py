@@ -15,6 +15,8 @@ class SplitTuning:
     """Tables that are kept one by one; of those between the oldest and the newest, the least part is kept."""
     bids_kept: int = 256
     """Bids that are kept of robots, those that are gone included."""
+    unequal_gain: float = 1.15
+    """Parts are much better than equal ones that are worth so many times as much to all who have them."""
     slot_gain: float = 0.1
     """Slots change hands where all together gain so much. Until all agree on it each has the least that any table gives
     it: for some seconds, in a team of ten for 20. Where slots that are worth no more were reason enough four cameras

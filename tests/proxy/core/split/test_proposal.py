@@ -1,7 +1,7 @@
 """Which bids are worth an agreement."""
 
 from proxy.core.protocol.bid import Segment
-from proxy.core.split.proposal import indifferent
+from proxy.core.split.proposal import indifferent, outdoes_equal
 from proxy.core.split.tuning import TUNING
 from tests.proxy.core.split.agreeing import agree, robot
 
@@ -43,3 +43,14 @@ def test_a_larger_message_is_asked_for_though_all_together_gain_little():
     second.ask(0.4, (Segment(900, 100),))
     agree(0.5, *robots)
     assert not indifferent(first, (Segment(2000, 98, 4),))
+
+
+def test_parts_outdo_equal_ones_where_what_few_ask_for_is_worth_more():
+    """Not before all agreed, nor where all ask for the same."""
+    for level, outdoes in ((100, False), (140, True)):
+        robots = [robot(tag, "abcd".replace(tag, "")) for tag in "abcd"]
+        for each in robots:
+            each.ask(0.0, (Segment(4000, level if each.own == "a" else 100, 4),))
+        assert not outdoes_equal(robots[0])
+        agree(0.1, *robots)
+        assert [outdoes_equal(each) for each in robots] == [outdoes] * 4
