@@ -39,7 +39,7 @@ class Channel:
         told = _object(raw)
         try:
             numbers = [float(told[name]) for name in ("limit", "latency", "loss")]
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, OverflowError):
             numbers = [math.nan]
         if (
             not all(map(math.isfinite, numbers))
@@ -68,9 +68,17 @@ def read_red(raw: bytes) -> str:
     return robot
 
 
+def read_robots(raw: bytes) -> list[str]:
+    """Return the robots that can be given something red, as a demo answers. Raises DemoOrderError."""
+    robots = _object(raw).get("robots")
+    if not isinstance(robots, list) or not all(isinstance(each, str) for each in robots):
+        raise DemoOrderError('a demo answers with {"robots": [names]}')
+    return robots
+
+
 def _object(raw: bytes) -> dict[str, Any]:
     try:
         told = json.loads(raw)
-    except ValueError:
+    except (ValueError, RecursionError):
         told = None
     return told if isinstance(told, dict) else {}

@@ -1,9 +1,9 @@
 """The page's own place on the mesh: behind a daemon, like any application of an operator."""
 
-import json
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
+from dataclasses import asdict
 from typing import Any
 
 import zenoh
@@ -75,11 +75,10 @@ class Watch:
 
 
 def _demo(client: Client) -> dict[str, Any] | None:
-    """Ask a demo, if there is one, what can be done to its world."""
+    """Ask a demo, if there is one, what can be done to its world. Any application may answer in its place, anything."""
     found: dict[str, Any] = {}
-    for name, key in (("channel", demo.CHANNEL), ("red", demo.RED)):
-        try:
-            found[name] = json.loads(client.ask(key))
-        except (NoAnswerError, ValueError):
-            continue
+    with suppress(NoAnswerError, demo.DemoOrderError):
+        found["channel"] = asdict(demo.Channel.read(client.ask(demo.CHANNEL).encode()))
+    with suppress(NoAnswerError, demo.DemoOrderError):
+        found["red"] = {"robots": demo.read_robots(client.ask(demo.RED).encode())}
     return found or None

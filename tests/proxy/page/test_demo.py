@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.page.demo import Channel, DemoOrderError, read_red, red_order
+from proxy.page.demo import Channel, DemoOrderError, read_red, read_robots, red_order
 
 
 def test_a_channel_travels():
@@ -24,6 +24,8 @@ def test_a_channel_travels():
         b'{"limit": NaN, "latency": 0, "loss": 0}',
         b'{"limit": "fast", "latency": 0, "loss": 0}',
         b'{"limit": null, "latency": 0, "loss": 0}',
+        b'{"limit": 1' + 400 * b"0" + b', "latency": 0, "loss": 0}',
+        100_000 * b"[",
     ],
 )
 def test_what_is_no_channel_is_refused(raw):
@@ -38,3 +40,11 @@ def test_red_is_ordered_for_a_robot():
     for raw in (b"", b"{}", b'{"robot": ""}', b'{"robot": 1}'):
         with pytest.raises(DemoOrderError, match="something red is ordered with"):
             read_red(raw)
+
+
+def test_a_demo_says_who_can_be_given_red():
+    """By their names; anybody may answer in a demo's place."""
+    assert read_robots(b'{"robots": ["r1", "r2"]}') == ["r1", "r2"]
+    for raw in (b"", b"{}", b'{"robots": 5}', b'{"robots": "r1"}', b'{"robots": [1]}', 100_000 * b"["):
+        with pytest.raises(DemoOrderError, match="a demo answers with"):
+            read_robots(raw)
