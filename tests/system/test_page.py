@@ -1,5 +1,6 @@
 """The operator's page in a browser: all of it is clicked through, by mouse and by keyboard, at three sizes."""
 
+import signal
 from contextlib import ExitStack
 
 import pytest
@@ -242,3 +243,21 @@ def test_a_page_comes_back_when_its_server_does(browser, fleet):
     )
     browser.open("about:blank")
     browser.problems.clear()
+
+
+def test_of_a_robot_that_went_away_nothing_is_told_as_now(browser, tmp_path):
+    """Its last picture stays, and its age; but nobody knows whether it still sees red."""
+    with ExitStack() as closing:
+        fleet = Fleet(tmp_path, closing, robots=1, limit=LIMIT)
+        page = Served("--connect", fleet.ground.endpoint)
+        closing.callback(page.end)
+        fleet.cameras[0].red = 1.0
+        browser.open(page.url)
+        tile = '#mosaic figure[data-key="robot/r1/camera"]'
+        browser.wait(f"document.querySelector('{tile}')?.matches('.marked')", "the red frame")
+        fleet.robots[0].end(signal.SIGKILL)
+        browser.wait(f"document.querySelector('{tile}').matches('.old')", "that its picture is old")
+        browser.wait(f"!document.querySelector('{tile}').matches('.marked')", "the end of red")
+        says(browser, f"{tile} .rate", "0.0/s")
+        assert not browser.run(f"document.querySelector('{tile} canvas').ariaLabel").endswith("red now")
+        assert browser.run(f"document.querySelector('{tile} .red').hidden")

@@ -33,13 +33,14 @@ export async function show(head, image) {
 }
 
 export function know(streams) {
-  for (const stream of streams) {
-    const tile = tiles.get(stream.key);
-    if (!tile) continue;
-    tile.rate = stream.rate;
-    say(tile.name, stream.robot);
-    tile.figure.classList.toggle("marked", stream.marked);
-    tile.red.hidden = !stream.marked;
+  const told = new Map(streams.map((stream) => [stream.key, stream]));
+  for (const [key, tile] of tiles) {
+    const stream = told.get(key); // none of a robot that went away: what it shows is not known now
+    if (stream) say(tile.name, stream.robot);
+    if (stream) tile.rate = stream.rate;
+    else if (performance.now() - tile.since > 1000 * OLD) tile.rate = 0;
+    tile.figure.classList.toggle("marked", Boolean(stream?.marked));
+    tile.red.hidden = !stream?.marked;
   }
 }
 
