@@ -8,6 +8,7 @@ entry-point group `sendworthy.commands`. Only the command that was asked for is 
 
 import argparse
 import errno
+import io
 import os
 import re
 import sys
@@ -78,12 +79,12 @@ UNWRITABLE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code. Ctrl-C, a closed pipe and a full disk are no tracebacks."""
+    _prepare_output()
     try:
         try:
             return _command(argv)
         finally:
-            if sys.stdout is not None:  # who started us may have closed it
-                sys.stdout.flush()  # also where the parser exits: Python would do it too late for us
+            sys.stdout.flush()  # also where the parser exits: Python would do it too late for us
     except KeyboardInterrupt:
         return exit_codes.INTERRUPTED
     except BrokenPipeError:
@@ -96,6 +97,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         where = f" {error.filename}" if error.filename else ""
         print(f"sendworthy: cannot write{where}: {error.strerror}", file=sys.stderr)
         return exit_codes.FAILED
+
+
+def _prepare_output() -> None:
+    """Have all that is printed go somewhere, in what can be shown there: names and keys may be of any script."""
+    if sys.stdout is None:  # who started us closed it
+        sys.stdout = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")
 
 
 def _say_no_more() -> None:

@@ -5,7 +5,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -132,7 +132,9 @@ def run(arguments: argparse.Namespace) -> int:
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.FAILED
-    _print(lines, plain=_style(arguments) is ASCII and not arguments.json)
+    plain = _style(arguments) is ASCII and not arguments.json
+    for line in lines:
+        print(line.translate(TYPED) if plain else line)
     return exit_codes.OK
 
 
@@ -245,14 +247,6 @@ def _other_specs(status: Status, specs: SpecSet) -> list[str]:
 def _json(explanation: Explanation, rivals: Sequence[Competitor], more: Mapping[str, Any]) -> str:
     data = explanation.data() | {"competitors": [each.data() for each in rivals], **more}
     return json.dumps(data, indent=2)
-
-
-def _print(lines: Iterable[str], *, plain: bool) -> None:
-    """Print lines in what the output can show."""
-    encoding = sys.stdout.encoding or "ascii"
-    for line in lines:
-        typed = line.translate(TYPED) if plain else line
-        print(typed.encode(encoding, "replace").decode(encoding))
 
 
 def _style(arguments: argparse.Namespace) -> Style:

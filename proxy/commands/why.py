@@ -185,7 +185,5 @@ def _width() -> int:
 
 
 def _print(lines: Iterable[str]) -> None:
-    """Print lines in what the output can show."""
-    encoding = sys.stdout.encoding or "ascii"
     for line in lines:
-        print(line.encode(encoding, "replace").decode(encoding), flush=True)
+        print(line, flush=True)

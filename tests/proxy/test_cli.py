@@ -243,6 +243,30 @@ def test_a_reader_that_leaves_is_no_error(tmp_path):
     assert errors.read_text() == ""
 
 
+SPEC = """\
+[[information_type]]
+name = "カメラ"
+keys = ["robot/*/camera"]
+utility = { kind = "video" }
+"""
+
+
+def test_what_the_output_cannot_show_is_replaced(tmp_path):
+    """Names and keys may be of a script that the terminal does not know."""
+    (tmp_path / "specs.toml").write_text(SPEC)
+    shown = sendworthy("check", str(tmp_path), PYTHONUTF8="0", PYTHONIOENCODING="ascii")
+    assert (shown.returncode, shown.stderr) == (exit_codes.OK, "")
+    assert 'information_type "???": robot/*/camera' in shown.stdout
+
+
+def test_who_closed_the_output_gets_the_exit_code(tmp_path):
+    """As a script that only wants to know whether specs are right."""
+    (tmp_path / "specs.toml").write_text(SPEC)
+    command = ["sh", "-c", 'exec "$@" >&-', "sh", sys.executable, "-m", "proxy.cli", "check", str(tmp_path)]
+    ended = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, timeout=30, check=False)
+    assert (ended.returncode, ended.stderr) == (exit_codes.OK, "")
+
+
 def test_a_bad_configuration_is_named_with_file_line_and_key(tmp_path):
     """The process exits 78 and says where to look."""
     file = tmp_path / "sendworthy.toml"
