@@ -31,6 +31,7 @@ log = logging.getLogger(__name__)
 
 CHALLENGE = "challenge"
 ORDERS = ("mode", "specs", CHALLENGE)
+CROSSED = "an operator there gives an order at the same time, which is obeyed in its place: agree, and give one again"
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +118,7 @@ class Fleet:
         """Obey an order of another robot's operator, unless an operator here gives one of its kind."""
         with self._obeying:
             if name == self._passed != CHALLENGE:
-                return [Outcome(self._robot, obeyed=False, said=(_CROSSED,))]
+                return [Outcome(self._robot, obeyed=False, said=(CROSSED,))]
             return [self._obey(name, order)]
 
     def _pass_on(self, name: str, order: Order) -> list[Outcome]:
@@ -188,7 +189,6 @@ class Fleet:
                 yield from _of_itself(reply.ok)
 
 
-_CROSSED = "an operator there gives an order at the same time, which is obeyed in its place: agree, and give one again"
 _SILENT = "no answer: it is out of reach, or fleet.{} is false in its configuration"
 
 

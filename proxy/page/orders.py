@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from proxy.bridge.fleet import Outcome
+from proxy.bridge.fleet import CROSSED, Outcome
 from proxy.commands.client import Client, NoAnswerError, connected
 from proxy.commands.why import told
 from proxy.core.model.mode import Mode
@@ -100,9 +100,9 @@ class Orders:
         return self._robot() or client.only_robot()
 
     def _switched(self, client: Client, outcome: Outcome, mode: Mode) -> Outcome:
-        """Switch who does not obey orders for all, but answers itself."""
+        """Switch who does not obey orders for all, but answers itself; not over the order of another operator there."""
         where = self._places().get(outcome.robot)
-        if where is None:
+        if where is None or outcome.said == (CROSSED,):
             return outcome
         try:
             if where == self._endpoint:

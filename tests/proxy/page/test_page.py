@@ -10,7 +10,8 @@ import pytest
 import zenoh
 
 from proxy.bridge import keys
-from proxy.commands.client import NoAnswerError
+from proxy.bridge.fleet import CROSSED
+from proxy.commands.client import NoAnswerError, connected
 from proxy.page import demo
 from proxy.page.page import Page
 from tests.daemons import Running
@@ -93,6 +94,28 @@ def test_robots_that_obey_no_order_for_all_are_switched_where_they_answer(stack,
     (of_r2,) = [each for each in page.orders.filter("off") if each.robot == "r2"]
     assert not of_r2.obeyed
     assert of_r2.said[1:] == ("no daemon answers at tcp/127.0.0.1:1; is `sendworthy run` running?",)
+
+
+@pytest.mark.full
+def test_a_robot_that_obeys_another_operator_is_not_switched(stack, watch, tmp_path):
+    """Both operators hear that not all obeyed; here while the order of the other one waits for a robot that hangs."""
+    fleet = Fleet(tmp_path, stack, robots=2)
+    page, watching = watch(fleet.ground.endpoint, fleet.robots[0].endpoint)
+    watching.until(lambda _: len(page._asking.places()) == 2, "both to answer")
+
+    def order_pass():
+        with connected(fleet.robots[0].endpoint) as other:
+            other.order("r1", "mode", b"pass")
+
+    with fleet.robots[1].paused():
+        other = threading.Thread(target=order_pass)
+        other.start()
+        wait_until(lambda: fleet.ground.status()["mode"] == "pass", what="the order of the other operator")
+        outcomes = {each.robot: each for each in page.orders.filter("shadow")}
+        other.join()
+    assert outcomes["ground"].obeyed
+    assert (outcomes["r1"].obeyed, outcomes["r1"].said) == (False, (CROSSED,))
+    assert fleet.robots[0].status()["mode"] == "pass"
 
 
 @pytest.mark.full
