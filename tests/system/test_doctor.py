@@ -71,6 +71,32 @@ def test_what_keeps_robots_from_being_found_is_said(host):
     assert f"{RADIO} has no IPv4 address" in look(host)[0][1]
 
 
+BUSY = """
+import socket, time
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+while True:
+    sender.sendto(b"sample", ("224.0.0.226", 7449))
+    time.sleep(0.05)
+"""
+
+
+def test_a_message_that_is_lost_is_found_beside_others_that_are_heard(host, network):
+    """What others say on the group is no answer, and holds nobody up."""
+    other = network.add("b")
+    ip("-n", other.namespace, "route", "add", "224.0.0.0/4", "dev", RADIO)
+    own = f"ip saddr {host.address} udp dport 7449 drop"
+    rules = f"table ip filter {{ chain input {{ type filter hook input priority 0; {own}; }}; }};"
+    assert host.run("nft", rules).returncode == 0
+    sending = other.start(other.python, "-c", BUSY)
+    try:
+        *_, (state, text) = look(host, "--mesh.transport", "broadcast")
+    finally:
+        sending.kill()
+        sending.wait()
+    assert state == "finding"
+    assert f"a message to {SAMPLES} is lost" in text
+
+
 def test_broadcast_goes_on(start):
     """What is tried beside a daemon goes nowhere where it hears samples, and it complains of nothing."""
     robot = start("a", options=("--mesh.transport", "broadcast"))
