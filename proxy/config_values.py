@@ -13,6 +13,8 @@ from utility_specs.suggestions import described, hint, quoted
 
 FORBIDDEN = "/*$#?"
 """Characters that no chunk of a key may hold."""
+LONGEST_NAME = 120
+"""Letters of a robot's name: other robots take up to `BOUNDS.name_length`, and five come behind one that is taken."""
 
 HOST_AND_PORT = re.compile(r"(?P<host>\[[0-9A-Fa-f:.%\w]+\]|[^\[\]:\s]+):(?P<port>\d+)")
 SCOUTING = {"224.0.0.224:7446": "Zenoh", "224.0.0.225:7448": "Sendworthy"}
@@ -24,7 +26,7 @@ ELSEWHERE = ("unixsock-stream", "unixpipe", "vsock", "serial")
 
 
 def robot_name(name: str) -> str:
-    """Return `name` if it is one valid key chunk; ValueError otherwise."""
+    """Return `name` if it is one valid key chunk that other robots take; ValueError otherwise."""
     if not name:
         raise ValueError("must not be empty")
     if name.startswith("@"):
@@ -33,13 +35,15 @@ def robot_name(name: str) -> str:
     if bad:
         shown = " ".join(c if c.isprintable() and not c.isspace() else repr(c) for c in bad)
         raise ValueError(f"must be one chunk of a key, without {shown}: {quoted(name)}")
+    if len(name) > LONGEST_NAME:
+        raise ValueError(f"must have at most {LONGEST_NAME} letters, not {len(name)}: {quoted(name)}")
     return name
 
 
 def robot_of_host(host: str) -> str:
     """Make a valid robot name of a host name: what a key chunk cannot hold becomes a dash."""
     chunk = "".join("-" if c in FORBIDDEN or c.isspace() or not c.isprintable() else c for c in host)
-    return chunk.lstrip("@") or "robot"
+    return chunk.lstrip("@")[:LONGEST_NAME] or "robot"
 
 
 def this_robot() -> str:

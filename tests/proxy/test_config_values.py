@@ -5,7 +5,9 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
+from proxy.bridge.bounds import BOUNDS
 from proxy.config_values import (
+    LONGEST_NAME,
     endpoint,
     http_address,
     interface,
@@ -15,12 +17,18 @@ from proxy.config_values import (
     robot_of_host,
     this_robot,
 )
+from utility_specs.suggestions import quoted
 
 
-@pytest.mark.parametrize("name", ["r1", "robot-7", "Ω", "a@b", "r.1"])
+@pytest.mark.parametrize("name", ["r1", "robot-7", "Ω", "a@b", "r.1", 120 * "r"])
 def test_one_chunk_is_a_name(name):
     """A name is taken as it is."""
     assert robot_name(name) == name
+
+
+def test_others_take_every_name():
+    """Also with what a daemon puts behind one that is taken."""
+    assert LONGEST_NAME + len("-0123") <= BOUNDS.name_length
 
 
 @pytest.mark.parametrize(
@@ -31,6 +39,7 @@ def test_one_chunk_is_a_name(name):
         ("a/b", 'must be one chunk of a key, without /: "a/b"'),
         ("r*#", 'must be one chunk of a key, without # *: "r*#"'),
         ("r 1", "must be one chunk of a key, without ' ': \"r 1\""),
+        (121 * "r", f"must have at most 120 letters, not 121: {quoted(121 * 'r')}"),
     ],
 )
 def test_what_is_no_chunk_is_refused(name, message):
