@@ -245,6 +245,15 @@ def test_a_page_comes_back_when_its_server_does(browser, fleet):
     browser.problems.clear()
 
 
+def test_a_long_key_stands_across_its_picture(browser, fleet):
+    """Not beside rate and age with a few letters a line; keys are shown of whom no spec covers."""
+    browser.open(fleet.page.url, width=390, height=844)
+    settled(browser)
+    place = "document.querySelector('#mosaic figure[data-key=\"robot/r1/camera\"] figcaption')"
+    key = "robot/r1/sensors/front_camera/image_raw/compressed"
+    assert browser.run(f"(c => {{ c.querySelector('b').textContent = {key!r}; return c.offsetHeight }})({place})") < 120
+
+
 def test_of_a_robot_that_went_away_nothing_is_told_as_now(browser, tmp_path):
     """Its last picture stays, and its age; but nobody knows whether it still sees red."""
     with ExitStack() as closing:
