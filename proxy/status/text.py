@@ -12,6 +12,8 @@ from proxy.status.words import reason
 from utility_specs import Specs
 
 ALONE = "no other robot is on the mesh; samples that nobody there wants stay here and are not counted"
+OTHERWISE = "other specs than here: {}"
+"""Said where robots decide by specs of their own, as those that were off when specs were pushed."""
 SHADOWED = "mode shadow: all samples go; SENT and NOT SENT are what enforce would do"
 """Said where a stream has samples that are not sent, although all are."""
 BETWEEN = "   "
@@ -55,10 +57,18 @@ def text(status: Status, width: int | None = None) -> str:
         [*_kept(status.get("kept", {}), width), *section(KEPT, status.get("kept", {}).get("for", ()))],
         section(FEATURES, failing(status.get("features", ()))),
         wrapped(ALONE, width) if status.get("peers") == [] else section(PEERS, sorted(peers, key=_standing)),
+        _otherwise(status, width),
     ]
     lacking = f"; left out for want of room: {', '.join(left_out)}" if left_out else ""
     parts.append(wrapped(f"sendworthy status --explain says what each word means{lacking}", width))
     return "\n\n".join("\n".join(part) for part in parts if part)
+
+
+def _otherwise(status: Status, width: int | None) -> list[str]:
+    """Name robots with other specs than ours, as far as they have said; each with the generation of its own."""
+    others = [peer for peer in status.get("peers", ()) if peer.get("specs") not in {None, "", status.get("specs")}]
+    named = ", ".join(sorted(f"{peer.get('robot', UNKNOWN)} ({peer['specs']})" for peer in others))
+    return wrapped(clean(OTHERWISE.format(named)), width) if named else []
 
 
 def headline(status: Status, width: int | None = None) -> list[str]:

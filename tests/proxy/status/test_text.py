@@ -322,6 +322,14 @@ def test_at_80_columns_no_count_is_cut():
     assert max(map(len, lines)) <= 80
 
 
+def test_robots_with_other_specs_are_named():
+    """As one that was off when specs were pushed; not one that has not said yet, or is of a version that does not."""
+    peers = [{"robot": name, "specs": specs} for name, specs in (("r4", "1"), ("r3", "2"), ("r2", "9"), ("r5", ""))]
+    shown = table({"robot": "r1", "specs": "9", "peers": [*peers, {"robot": "r6"}]}).splitlines()
+    assert shown[-3] == "other specs than here: r3 (2), r4 (1)"
+    assert "other specs" not in table({"robot": "r1", "specs": "9", "peers": peers[2:]})
+
+
 def test_in_shadow_it_is_said_that_all_samples_go():
     """A stream has counts of what was decided, which would read otherwise."""
     assert SHADOWED in table(STATUS | {"mode": "shadow"})
