@@ -161,6 +161,11 @@ def test_the_folder_of_specs_stays_as_an_operator_has_it(debian, package):
     debian.dpkg("--install", there)
     wait_until(lambda: debian.property("ActiveState") == "active", what="the daemon")
     assert debian.run("readlink", specs).stdout == "/srv/specs\n"
+    debian.run("systemctl", "stop", "sendworthy")
+    debian.run("rm", "-r", STATE)
+    debian.run("ln", "-s", "/srv/state", STATE)  # as to a disk that is not there
+    debian.dpkg("--install", there)
+    assert debian.run("readlink", STATE).stdout == "/srv/state\n"
 
 
 def test_all_of_it_is_installed(debian, package):
