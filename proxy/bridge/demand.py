@@ -13,6 +13,7 @@ from proxy import clock
 from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declaration import matches
 from proxy.bridge.keys import on_air
+from proxy.bridge.sample import Parcel
 from proxy.core.interface.events import MatchingChanged
 
 _PUT = zenoh.SampleKind.PUT
@@ -27,7 +28,7 @@ class Outlet:
     congestion_control: zenoh.CongestionControl
     express: bool
 
-    def suits(self, sample: zenoh.Sample) -> bool:
+    def suits(self, sample: zenoh.Sample | Parcel) -> bool:
         """Whether what it publishes is like `sample`."""
         quality = sample.priority, sample.congestion_control, sample.express, sample.kind
         return quality == (self.priority, self.congestion_control, self.express, _PUT)

@@ -181,7 +181,7 @@ class Egress:
             if not self._open:
                 return False
             if passes:
-                self._passing.append((number, held))
+                self._passing.append((number, held.apart if len(self._passing) > TUNING.few_held else held))
             else:
                 self._decided.put(number, held, self._sender.on_air(held))
             if not held.to:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from proxy.bridge.room import Room
 from proxy.bridge.sample import Held
+from proxy.bridge.tuning import TUNING
 
 
 class Content(NamedTuple):
@@ -36,7 +37,7 @@ class Payloads:
         if not self._room.enter(held.size):
             return None
         number = next(self._numbers)
-        self._waiting[number] = held
+        self._waiting[number] = held.apart if self._room.samples > TUNING.few_held else held
         return number
 
     def holds(self, key: str) -> bool:
@@ -67,7 +68,7 @@ class Payloads:
     def keep(self, number: int) -> None:
         """Keep a sample that waits, whatever becomes of it, until `forget`."""
         if (held := self.waiting(number)) is not None:
-            self._kept[number] = held
+            self._kept[number] = held.apart
 
     def forget(self, number: int) -> None:
         """Keep a sample no longer."""

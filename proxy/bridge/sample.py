@@ -18,13 +18,26 @@ _PRIORITIES = {
 }
 
 
+class Parcel(NamedTuple):
+    """All of a sample that matters for its way on, in memory of its own."""
+
+    key_expr: zenoh.KeyExpr
+    payload: zenoh.ZBytes
+    kind: zenoh.SampleKind
+    encoding: zenoh.Encoding
+    congestion_control: zenoh.CongestionControl
+    priority: zenoh.Priority
+    express: bool
+    attachment: zenoh.ZBytes | None
+
+
 class Held(NamedTuple):
     """A sample with the timestamp and the source info it leaves with. `size` is that of the payload [B].
 
     `to` is the tag of the only robot that gets it, if it is a copy.
     """
 
-    sample: zenoh.Sample
+    sample: zenoh.Sample | Parcel
     stamp: zenoh.Timestamp | None
     key: str
     size: int
@@ -36,10 +49,30 @@ class Held(NamedTuple):
         """Whether its publisher would rather wait than lose it."""
         return bool(self.sample.congestion_control != zenoh.CongestionControl.DROP)
 
+    @property
+    def apart(self) -> "Held":
+        """The same, to be held for longer: a small sample takes all the memory that Zenoh received it in."""
+        sample = self.sample
+        if self.size >= TUNING.small_sample or isinstance(sample, Parcel):
+            return self
+        attachment, encoding = sample.attachment, zenoh.Encoding(str(sample.encoding))
+        return self._replace(
+            sample=Parcel(
+                key_expr=sample.key_expr,
+                payload=_copied(sample.payload),
+                kind=sample.kind,
+                encoding=encoding if encoding == sample.encoding else sample.encoding,  # some have no name
+                congestion_control=sample.congestion_control,
+                priority=sample.priority,
+                express=sample.express,
+                attachment=None if attachment is None else _copied(attachment),
+            )
+        )
+
 
 def publish(
     session: DataSession,
-    sample: zenoh.Sample,
+    sample: zenoh.Sample | Parcel,
     stamp: zenoh.Timestamp | None,
     key: str | None = None,
     *,
@@ -78,7 +111,7 @@ def publish(
     )
 
 
-def priority_of(sample: zenoh.Sample) -> int:
+def priority_of(sample: zenoh.Sample | Parcel) -> int:
     """Zenoh's number of the sample's priority: 1 real time … 7 background."""
     return _PRIORITIES[str(sample.priority)]
 
@@ -103,3 +136,7 @@ def generated(stamp: zenoh.Timestamp | None, now: float, wall: float) -> float:
         return now
     age = wall - wall_of(stamp)
     return now - age if 0.0 <= age <= TUNING.stamp_mismatch else now
+
+
+def _copied(content: zenoh.ZBytes) -> zenoh.ZBytes:
+    return zenoh.ZBytes(content.to_bytes())

@@ -122,6 +122,11 @@ class BridgeTuning:
     # Samples on their way to the mesh
     stamp_mismatch: float = 1.0
     """A timestamp further than this from the arrival says nothing about when the sample was made [s]."""
+    small_sample: int = 32_768
+    """A sample of less than this is copied where it is held for longer [B]: as it came it holds a whole piece of
+    Zenoh's of 64 kB. Beside images 8,192 samples of 60 B took 400 MB, for which systemd ends the daemon..."""
+    few_held: int = 64
+    """... where it waits, only as one of more than so many: nearly all go at once."""
     passing_backlog: int = 32
     """With more passing samples, and as many more again, whoever brings one lets the thread catch up."""
     catch_up: float = 0.001

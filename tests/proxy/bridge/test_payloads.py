@@ -1,10 +1,14 @@
 """Samples wait for their decision, are kept for copies, or both; their payloads have one home."""
 
+import subprocess
+import sys
+
 import pytest
+import zenoh
 
 from proxy.bridge.payloads import Payloads
 from proxy.bridge.room import Room
-from proxy.bridge.sample import Held
+from proxy.bridge.sample import Held, Parcel
 
 
 @pytest.fixture
@@ -18,7 +22,8 @@ def payloads(room):
 
 
 def held(size=10):
-    return Held(None, None, "a", size, None)
+    parcel = Parcel("a", zenoh.ZBytes(bytes(size)), zenoh.SampleKind.PUT, None, None, None, False, None)
+    return Held(parcel, None, "a", size, None)
 
 
 def test_a_sample_waits_until_it_is_dropped_and_has_a_place_as_long(payloads, room):
@@ -54,3 +59,51 @@ def test_what_is_kept_stays_whatever_becomes_of_the_sample(payloads):
     payloads.forget(number)
     payloads.forget(number)
     assert payloads.copy(number, "ab12") is None
+
+
+RECEIVED = """
+import os
+import zenoh
+from contextlib import ExitStack
+from proxy.bridge.payloads import Payloads
+from proxy.bridge.room import Room
+from proxy.bridge.sample import Held
+from studies.benchmarks.resources import private_memory
+from tests.proxy.nodes import closing, free_endpoint, plain_session, wait_matching
+from tests.waiting import wait_until
+payloads, numbers, large = Payloads(Room(4096, 1 << 24)), [], []
+
+def take(sample):
+    if len(sample.payload) > 1000:
+        large.append(len(sample.payload))
+        return
+    numbers.append(payloads.enter(Held(sample, None, "small", len(sample.payload), None)))
+    if {kept}:
+        payloads.keep(numbers[-1])
+        payloads.drop(numbers[-1])
+
+with ExitStack() as closing_all:
+    endpoint = free_endpoint()
+    router = closing(closing_all, plain_session("router", listen=(endpoint,)))
+    app = closing(closing_all, plain_session("client", connect=(endpoint,)))
+    subscriber = router.declare_subscriber("**", zenoh.handlers.Callback(take, indirect=False))
+    image, event = (app.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK) for key in "ie")
+    for key in "ie":
+        wait_matching(app, key)
+    for number in range(600):
+        if number == 200:  # queues and pools have what they take
+            before = private_memory(os.getpid())
+        image.put(bytes(60_000))
+        wait_until(lambda: len(large) > number, what="an image")
+        event.put(bytes(60), attachment=bytes(8))
+        wait_until(lambda: len(numbers) > number, what="an event")
+    print(private_memory(os.getpid()) - before)
+"""
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_a_small_sample_takes_little_memory(kept):
+    """Not all that Zenoh received it in: four hundred that came beside images took 14 MB."""
+    code = RECEIVED.format(kept=kept)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 5e6

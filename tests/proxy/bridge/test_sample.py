@@ -3,8 +3,8 @@
 import pytest
 import zenoh
 
-from proxy.bridge.sample import generated, origin_of, priority_of, wall_of
-from tests.proxy.nodes import Heard, plain_session
+from proxy.bridge.sample import Held, Parcel, generated, origin_of, priority_of, publish, wall_of
+from tests.proxy.nodes import Heard, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
 
 
@@ -37,3 +37,26 @@ def test_priorities_have_zenohs_numbers():
             session.put("p", name, priority=getattr(zenoh.Priority, name))
         wait_until(lambda: len(heard.samples) == 7, what="all priorities")
         assert [priority_of(sample) for sample in heard.samples] == list(range(1, 8))
+
+
+def test_what_is_held_apart_leaves_as_it_came():
+    """Nothing of a sample changes by it; a large one stays where it is, and nothing is copied twice."""
+    with plain_session("peer", listen=(endpoint := free_endpoint(),)) as session:
+        heard, came = Heard(session, "p"), Heard(session, "q")
+        with plain_session("client", connect=(endpoint,)) as app:
+            quality = {"express": True, "priority": zenoh.Priority.DATA_LOW, "attachment": b"beside"}
+            app.put("p", "small", encoding="text/plain;of a kind", **quality)
+            app.delete("p", congestion_control=zenoh.CongestionControl.BLOCK)
+            app.put("p", bytes(40_000))
+            wait_until(lambda: len(heard.samples) == 3, what="the samples")
+            wait_matching(app, "q")
+            held = [Held(sample, None, "p", len(sample.payload), None) for sample in heard.samples]
+            apart = [each.apart for each in held]
+            assert [isinstance(each.sample, Parcel) for each in apart] == [True, True, False]
+            assert [each.apart for each in apart] == apart
+            for each in apart:
+                publish(app, each.sample, None, "q", source=None)
+            wait_until(lambda: len(came.samples) == 3, what="the samples anew")
+        fields = [*(name for name in Parcel._fields if name != "key_expr"), "source_info"]
+        for before, after in zip(heard.samples, came.samples, strict=True):
+            assert [getattr(before, name) for name in fields] == [getattr(after, name) for name in fields]
