@@ -53,7 +53,7 @@ class Payloads:
         held = self.waiting(number)
         if held is None:
             return None
-        sample = held.sample
+        sample = held.apart.sample
         return Content(held.size, lambda: (sample.payload.to_bytes(), str(sample.encoding)))
 
     def release(self, number: int) -> Held | None:

@@ -71,16 +71,17 @@ from proxy.bridge.sample import Held
 from studies.benchmarks.resources import private_memory
 from tests.proxy.nodes import closing, free_endpoint, plain_session, wait_matching
 from tests.waiting import wait_until
-payloads, numbers, large = Payloads(Room(4096, 1 << 24)), [], []
+payloads, numbers, contents, large = Payloads(Room(4096, 1 << 24)), [], [], []
 
 def take(sample):
     if len(sample.payload) > 1000:
         large.append(len(sample.payload))
         return
-    numbers.append(payloads.enter(Held(sample, None, "small", len(sample.payload), None)))
-    if {kept}:
-        payloads.keep(numbers[-1])
-        payloads.drop(numbers[-1])
+    number = payloads.enter(Held(sample, None, "small", len(sample.payload), None))
+    numbers.append(number)
+    if "{held}" != "waiting":
+        contents.append(payloads.{held}(number))
+        payloads.drop(number)
 
 with ExitStack() as closing_all:
     endpoint = free_endpoint()
@@ -101,9 +102,9 @@ with ExitStack() as closing_all:
 """
 
 
-@pytest.mark.parametrize("kept", [False, True])
-def test_a_small_sample_takes_little_memory(kept):
+@pytest.mark.parametrize("held", ["waiting", "keep", "content"])
+def test_a_small_sample_takes_little_memory(held):
     """Not all that Zenoh received it in: four hundred that came beside images took 14 MB."""
-    code = RECEIVED.format(kept=kept)
+    code = RECEIVED.format(held=held)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert int(done.stdout) < 5e6
