@@ -21,6 +21,12 @@ class DaemonTuning:
     farewell: float = 0.15
     """The routers of the app side have this long to take note of each other's end [s]."""
 
+    # Memory
+    spare: int = 16 * 1024 * 1024
+    """So much more than is usual is left where it was freed [B]."""
+    spare_looks: float = 30.0
+    """Time between two looks at that [s]: what comes more often needs it again."""
+
     # Samples on their way to the core
     items: int = 8192
     """Items that may wait for the core; more are taken in only if they must not be lost."""

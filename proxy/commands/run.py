@@ -9,12 +9,12 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
-from proxy import exit_codes
+from proxy import clock, exit_codes
 from proxy.commands.config_flags import LAYERS, add_config_flags, reader
 from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_files import standard
 from proxy.errors import ConfigError, ProxyError
-from proxy.heap import give_back, keep_together
+from proxy.heap import Spare, give_back, keep_together
 from proxy.log import set_up_logging
 from proxy.lost_threads import LostThreads
 from proxy.notices import Notices
@@ -128,11 +128,12 @@ def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read
     service.ready(started(config, specs, daemon.robot))
     if service.watchdog is not None:
         daemon.watch(service.alive, service.watchdog / FEEDS)
-    notices = Notices()
+    notices, spare = Notices(), Spare()
     try:
         soon = look(daemon.reloading, notices)
         while (request := asked.next(PAUSE) if soon else asked.next(LOOK, notices.fileno())) in ("", "SIGHUP"):
             if not request:
+                spare.look(clock.monotonic())
                 soon = look(daemon.reloading, notices)
                 continue
             service.reloading()

@@ -33,6 +33,21 @@ before = private_memory(os.getpid())
 give_back()
 print(before - private_memory(os.getpid()) > 10e6)
 """
+SPARE = """
+import os
+from proxy.heap import Spare
+from studies.benchmarks.resources import private_memory
+from proxy.tuning import TUNING
+spare, held = Spare(), []
+for now in (0.0, TUNING.spare_looks / 2, TUNING.spare_looks, 2 * TUNING.spare_looks):
+    if now == 0.0:
+        parts = [bytes(2_000) for _ in range(20_000)]
+        last = bytes(2_000)
+        del parts
+    spare.look(now)
+    held.append(private_memory(os.getpid()) / 1e6)
+print(held[0] - held[1] < 1, held[1] - held[2] > 20, abs(held[2] - held[3]) < 1)
+"""
 
 
 def said(code):
@@ -49,3 +64,8 @@ def test_threads_take_memory_from_one_heap():
 def test_what_is_free_between_what_is_used_is_given_back():
     """The C library itself gives back only what is free at the end."""
     assert said(FREED) == "True"
+
+
+def test_what_is_not_needed_again_is_given_back():
+    """Not at once, as it may be needed by the next message; after that there is nothing to give back."""
+    assert said(SPARE) == "True True True"
