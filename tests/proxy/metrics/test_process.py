@@ -6,6 +6,7 @@ import time
 from prometheus_client import CollectorRegistry, ProcessCollector, generate_latest
 from prometheus_client.parser import text_string_to_metric_families
 
+from proxy import clock
 from proxy.metrics.process import ProcessMetrics
 
 
@@ -44,3 +45,14 @@ def test_processor_time_is_that_of_now():
     while time.process_time() < until:
         pass
     assert families(metrics.text())["process_cpu_seconds"][2] >= first + 0.01
+
+
+def test_the_start_is_by_the_wall_clock_as_it_is_now(monkeypatch):
+    """A robot that boots without a clock did not start in 1970; what is not set does not change."""
+    right, ahead = clock.wall, [-1e9]
+    monkeypatch.setattr(clock, "wall", lambda: right() + ahead[0])
+    metrics, told = ProcessMetrics(), []
+    for ahead[0] in (-1e9, 0.0, 0.1, 0.0):
+        told.append(families(metrics.text())["process_start_time_seconds"][2])
+    assert abs(told[1] - told[0] - 1e9) < 1.0
+    assert told[1] == told[2] == told[3]
