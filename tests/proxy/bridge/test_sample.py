@@ -44,10 +44,11 @@ def test_what_is_held_apart_leaves_as_it_came():
     with plain_session("peer", listen=(endpoint := free_endpoint(),)) as session:
         heard, came = Heard(session, "p"), Heard(session, "q")
         with plain_session("client", connect=(endpoint,)) as app:
-            quality = {"express": True, "priority": zenoh.Priority.DATA_LOW, "attachment": b"beside"}
-            app.put("p", "small", encoding="text/plain;of a kind", **quality)
-            app.delete("p", congestion_control=zenoh.CongestionControl.BLOCK)
-            app.put("p", bytes(40_000))
+            # Of one kind: else one may overtake another.
+            quality = {"priority": zenoh.Priority.DATA_LOW, "congestion_control": zenoh.CongestionControl.BLOCK}
+            app.put("p", "small", encoding="text/plain;of a kind", express=True, attachment=b"beside", **quality)
+            app.delete("p", **quality)
+            app.put("p", bytes(40_000), **quality)
             wait_until(lambda: len(heard.samples) == 3, what="the samples")
             wait_matching(app, "q")
             held = [Held(sample, None, "p", len(sample.payload), None) for sample in heard.samples]
