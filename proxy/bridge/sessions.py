@@ -36,7 +36,9 @@ THREADS = (
 os.environ.setdefault("ZENOH_RUNTIME", THREADS)  # read when the first session of the process opens
 
 PRIVATE = "sendworthy-private-"
-"""Marks endpoints that are nobody's business but ours."""
+"""Marks folders that are nobody's business but ours."""
+PLACE = "unixsock-stream//proc/self/fd/"
+"""Marks endpoints in these."""
 
 _TCP = ("tcp/", "tls/")
 _BUFFERS = f"so_sndbuf={TUNING.socket_buffer};so_rcvbuf={TUNING.socket_buffer}"
@@ -177,7 +179,7 @@ def open_session(options: Mapping[str, Any], side: str) -> zenoh.Session:
 
     Raises `PortInUseError` when a listen endpoint is taken, `SessionError` for anything else Zenoh refuses.
     """
-    shown = [endpoint for endpoint in options["listen"]["endpoints"] if PRIVATE not in endpoint]
+    shown = [endpoint for endpoint in options["listen"]["endpoints"] if not endpoint.startswith(PLACE)]
     endpoints = ", ".join(endpoint.split("#")[0] for endpoint in shown)
     try:
         return zenoh_session(options)

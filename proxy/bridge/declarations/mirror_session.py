@@ -51,7 +51,6 @@ class MirrorSession:
         mode: Literal["router", "client"],
         zenoh_options: Mapping[str, Any],
     ) -> None:
-        endpoint.hide()
         self._closing = ExitStack()
         interests = (self._subscribers, self._queryables, self._tokens) if mode == "client" else ()
         tap = DeclarationTap(endpoint.tap, endpoint.main, table, interests=len(interests))

@@ -1,19 +1,24 @@
 """A private place where a main session listens for its mirror session."""
 
 import fcntl
+import os
 import shutil
 import tempfile
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from proxy.bridge.sessions import PRIVATE, merged
+from proxy.bridge.sessions import PLACE, PRIVATE, merged
 
 _LOCK = "lock"
 
 
 class PrivateEndpoint:
-    """A folder with two sockets. Folders of processes that were killed are removed when the next one opens."""
+    """A folder with two sockets. Folders of processes that were killed are removed when the next one opens.
+
+    Zenoh announces every place where it listens, and other daemons of this machine would link here, where their links
+    count for nothing. So what it is told leads here from this process alone.
+    """
 
     def __init__(self) -> None:
         _sweep()
@@ -22,21 +27,20 @@ class PrivateEndpoint:
         fcntl.flock(self._lock, fcntl.LOCK_EX)
         # Only now it has the name of those that are swept: nobody finds it unlocked while we live.
         self._folder = self._folder.rename(self._folder.with_name(self._folder.name.removeprefix("new-")))
-        self.main = self._folder / "main"
+        self._number = os.open(self._folder, os.O_PATH | os.O_DIRECTORY)
+        self.main = self._folder / self._folder.name.removeprefix(PRIVATE)
         self.tap = self._folder / "tap"
 
     def added_to(self, options: dict[str, Any]) -> dict[str, Any]:
         """Return the options of a main session, which listens here too."""
-        here = {"endpoints": [*options["listen"]["endpoints"], f"unixsock-stream/{self.main}"]}
+        place = f"{PLACE}{self._number}/{self.main.name}"
+        here = {"endpoints": [*options["listen"]["endpoints"], place]}
         return merged(options, {"listen": here})
-
-    def hide(self) -> None:
-        """Move the socket from where the main session announces it: only its mirror session shall link here."""
-        self.main = self.main.rename(self.main.with_name("hidden"))
 
     def close(self) -> None:
         """Remove the place."""
         shutil.rmtree(self._folder, ignore_errors=True)
+        os.close(self._number)
         self._lock.close()
 
 

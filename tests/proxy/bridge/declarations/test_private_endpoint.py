@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -9,6 +10,8 @@ import tempfile
 import pytest
 
 from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
+from proxy.bridge.sessions import zenoh_session
+from tests.proxy.nodes import closing
 
 HOLD = """
 import sys
@@ -59,3 +62,17 @@ def test_what_is_not_ours_is_left_alone(places):
     alien.mkdir()
     PrivateEndpoint().close()
     assert list(places.iterdir()) == [alien]
+
+
+def test_what_zenoh_announces_leads_there_from_this_process_alone(stack):
+    """Another daemon of this machine links elsewhere, however early it hears of the place."""
+    endpoint = PrivateEndpoint()
+    stack.callback(endpoint.close)
+    options = endpoint.added_to({"mode": "peer", "listen": {"endpoints": []}})
+    closing(stack, zenoh_session(options | {"scouting": {"multicast": {"enabled": False}}}))
+    (announced,) = options["listen"]["endpoints"]
+    link = f"import socket; socket.socket(socket.AF_UNIX).connect({announced.removeprefix('unixsock-stream/')!r})"
+    other = subprocess.run([sys.executable, "-c", link], capture_output=True, text=True, check=False)
+    assert "FileNotFoundError" in other.stderr
+    with socket.socket(socket.AF_UNIX) as own:
+        own.connect(str(endpoint.main))
