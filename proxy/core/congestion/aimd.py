@@ -1,8 +1,6 @@
 """How much of an adaptive limit the channel bears: additive increase, multiplicative decrease (AIMD).
 
-The estimate grows only while it is used, so the channel is always known to have borne it. A decrease goes to what came
-through while a queue grew, then lower for the time that the queue needs to drain: a robot that hears of the decrease
-sees the delay vanish and, with it, the reason for another decrease.
+A decrease goes to what came through while a queue grew, then lower for as long as the queue needs to drain.
 """
 
 import math
@@ -42,8 +40,7 @@ class Aimd:
     def increase(self, now: float, elapsed: float, most: float, others: float) -> None:
         """The limit was used without congestion for `elapsed` [s]; the estimate grows to `most` at most.
 
-        It grows fast as long as all the `others` report that the channel bears more, unless it was decreased lately.
-        Where they report nothing (0), what speaks against more is known to us alone: then calm does not speed growth.
+        Fast up to what `others` report that the channel bears (0: nothing), unless it was decreased lately.
         """
         calm = now - self._decreased_at - TUNING.calm_after
         step = fastest = TUNING.slow_start * self.estimate
@@ -115,10 +112,7 @@ class Aimd:
 
 
 class AdaptiveLimit:
-    """The `number`-th adaptive limit: our own estimate of it, what the others leave of it, and what is in force.
-
-    All values are parts of its `ceiling`.
-    """
+    """The `number`-th adaptive limit: our own estimate and what is in force of it, as parts of its `ceiling`."""
 
     def __init__(self, now: float, number: int, ceiling: Limit, aimd: Aimd | None = None) -> None:
         self.number = number

@@ -1,14 +1,8 @@
 """Adaptive limits: how much of each the channel bears, by our own evidence and by what the others report of theirs.
 
-Every robot watches how long digests wait in queues, here and there, and whether anything gets through; from that it
-estimates what the channel bears, and reports it in its digests (`capacity_reports.py`). Where one robot leads, what it
-has in force holds for all, so all keep to the same limit, and only its estimate grows. The others follow it up and
-down, and object when they see a queue: that decreases the limit for all, once, as whoever hears of it waits for the
-effect.
-
-After a decrease the queue has to drain: until then each robot that sees it sends less. Where the leader told how much
-less, and robots then began anew in turns, five robots on a constant link reached 93.8 % of what a right limit reaches,
-and reach 98.2 (broadcast, four seeds); after the link was halved as much, with a delay of 0.33 s, and 0.57 now.
+What the leader has in force holds for all, and only its estimate grows; the others object when they see a queue, which
+decreases the limit for all, once. After that all who see the queue send less until it has drained: five robots on a
+constant link reach 98.2 % of what a right limit reaches (broadcast, four seeds).
 """
 
 import math
@@ -94,8 +88,7 @@ class Capacity:
     def report(self, now: float) -> tuple[float, ...]:
         """What a digest reports: of every adaptive limit, the part that the channel bears by our evidence.
 
-        Who leads reports what it has in force, by the evidence of all, and of every limit the part that is used by all.
-        Who follows and does not object reports that, as does who knows of nothing against more.
+        Who leads reports what it has in force, and what part of every limit all use.
         """
         if self._reports.leads:
             lasting = (limit.lasting for limit in self._limits)

@@ -1,8 +1,6 @@
 """What the others report that the channel bears, and whose report counts.
 
-Where one robot leads its report counts: what it has in force, and how much of that all use together. The others report
-what they have against that, if anything. Where nobody leads, or we do, the least report counts; but of our receivers,
-and of the rest, a single one does not where there are several: it may be far away.
+That of a leader; where nobody else leads the least one, but no single one of several: it may be far away.
 """
 
 import math

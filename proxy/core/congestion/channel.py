@@ -46,10 +46,7 @@ class Channel:
         self.staleness = 0.0  # until the next look: without adaptive limits there is none
 
     def look(self, now: float, dropped: int) -> bool:
-        """Look at the channel when it is time to; return whether all should hear of it at once.
-
-        So many samples of ours were `dropped` so far.
-        """
+        """Look at the channel, `dropped` samples of ours so far, if it is time to; whether all should hear at once."""
         if now < self.capacity.due_at:
             return False
         self.capacity.evidence.sent(now, self._view.traffic.messages, self._view.traffic.bytes)

@@ -1,7 +1,4 @@
-"""Congestion control: the estimates of adaptive limits grow while nothing stands in the way, else they decrease.
-
-What stands in the way is silence, a queue, or loss that was not there before.
-"""
+"""Congestion control: estimates of adaptive limits grow until silence, a queue, or loss beyond the usual."""
 
 import math
 from collections.abc import Collection
@@ -18,9 +15,8 @@ from proxy.core.congestion.tuning import TUNING
 class Traffic:
     """What the view knows of the use of the channel: samples `dropped` so far by anybody, who receives our samples.
 
-    `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
-    of every adaptive limit's ceiling that one sample of each stream takes together, and `one` the largest of these.
-    The report of the `leader` counts for all.
+    `longest`: what the longest sample takes as the limits are now [s]; `each`: the part of every ceiling that a sample
+    of each stream takes together, `one`: the largest of these. The report of the `leader` counts for all.
     """
 
     dropped: int
@@ -147,10 +143,7 @@ class CongestionControl:
         return "some delay" if self.queue_delay > bearable / 2.0 else ""
 
     def _standing(self, now: float, receivers: Collection[str], since: float, bearable: float) -> StandingQueue | None:
-        """The longest queue that stands since then.
-
-        A limit lets what it bears in its window be sent at once: a queue stands if it outlasts that.
-        """
+        """The longest queue that stands since then, for longer than what a limit lets be sent at once."""
         longest = max(limit.ceiling.window for limit in self._limits)
         span = min(max(TUNING.standing, longest), TUNING.longest_standing)
         return self._evidence.queue(now, receivers, since, bearable, span)

@@ -1,8 +1,6 @@
 """Loss that was not there before: what part of our messages arrives, against the usual part.
 
-Cumulative counts tell the ratio: what we put on the air, and what the others report to have received of it. Some never
-count (plain nodes) and some radios always lose, so only loss beyond the usual counts. A decrease for loss is a trial:
-when less is sent and as much is lost, load was not the cause, and the radio is taken to be worse than it was.
+A decrease for loss is a trial: where as much is lost when less is sent, the radio is taken to be worse than it was.
 """
 
 from collections import deque

@@ -1,9 +1,4 @@
-"""What this robot itself sees of the channel, by the digests that it sends and receives.
-
-What all put on the air (`Load`), and whether anything gets through at all, in both directions (`Liveness`). How often
-the others can be heard depends on the allowance of digests, which is the same for all: a robot that may seldom speak
-expects to hear seldom.
-"""
+"""What this robot itself sees of the channel, by the digests that it sends and receives."""
 
 from collections import deque
 from collections.abc import Collection, Iterable
@@ -163,10 +158,7 @@ class Evidence:
     def queue(
         self, now: float, receivers: Collection[str], since: float, bearable: float, span: float
     ) -> StandingQueue | None:
-        """The longest queue that stands before what comes here, or before what we send to our receivers, for a `span`.
-
-        What went into a queue before `since` does not count.
-        """
+        """The longest queue that stands for a `span` since then, before what comes here or what our receivers get."""
         recent = now - max(TUNING.recent_delays, 2.0 * self.liveness.interval(now))
         outward = [path for peer, path in self.paths.items() if not receivers or peer in receivers]
         directions = (

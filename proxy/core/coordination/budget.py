@@ -1,8 +1,7 @@
 """What may still be sent: the constraints in force, what already counts against them, and which part of each is ours.
 
-Where all plan for all (`announce`), everything known to be sent counts, whoever sent it. Where each robot has a part of
-every limit (`split`), only what it sends itself counts against its part. What robots do not share, such as their own
-energy, each has whole.
+In `announce` everything known to be sent counts, in `split` only our own sends; what robots do not share each has
+whole.
 """
 
 import math
@@ -115,10 +114,7 @@ class Budget:
         return all(u <= TUNING.certain_message * room and used + u <= room for u, room, used in rooms)
 
     def in_turn(self, now: float, use: tuple[float, ...]) -> bool:
-        """Whether a message for which there is room has that as it is our turn by the clock, though our part would do.
-
-        Plans, which know nothing of turns, keep that part for a later message, which would come when the turn is over.
-        """
+        """Whether a message has room as it is our turn by the clock, which plans know nothing of: our part would do."""
         if not self._coordination.equal.by_clock:
             return False
         return any(
@@ -129,8 +125,8 @@ class Budget:
     def opens(self, now: float, use: tuple[float, ...], wanted: Room = Room.OWN) -> float:
         """When the `wanted` room opens for a message [s]; −∞ where it is there, ∞ where it never does.
 
-        Or when our part grows that is too small for it, as a slot was passed on to us: ten robots with equal messages
-        reached 82 to 93 % of a central decider in `split` where such a sample was dropped, and reach 83 to 95 now.
+        Or when our part grows that is too small for it: in `split` ten robots with equal messages reach 83 to 95 % of a
+        central decider, and 82 to 93 where such a sample was dropped.
         """
         if self._coordination.equal.by_clock and (turn := _next_turn(self, self._coordination, now, use)) > -math.inf:
             return turn if self.lacking(now, use) else -math.inf
@@ -179,10 +175,7 @@ class Budget:
         return Limits(self.usable(now), ours, theirs, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
-        """Eq. 5; a message larger than what may be used at all has a window stretched for it, and is alone in that.
-
-        Where there are turns by the clock it has ours instead: what was sent before does not count then.
-        """
+        """Eq. 5; a message larger than all that may be used has a stretched window for itself, or our turn."""
         limit, whole = self.limits[k], self.whole(now, k)
         part = self._coordination.meanwhile.confined
         if part < 1.0 and amount > _confined(self, now, k, part):
@@ -201,10 +194,9 @@ class Budget:
         return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
     def _counted(self, now: float, k: int, window: float, amount: float) -> float:
-        """Return what counts for a message of this amount of the window that ends now.
+        """Return what counts for a message of this amount of the window that ends now; a little is left to small ones.
 
-        Others' samples take as long to leave as ours. Whatever others say to have sent, a little is left to us for
-        small messages: beside a robot that claimed ten limits two sent 11 % of their odometry until that was found out.
+        Beside a robot that claimed ten limits two sent 11 % of their odometry without that.
         """
         ours = self.own.used(now - window, k)
         if self.alone:

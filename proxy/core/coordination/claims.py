@@ -1,50 +1,24 @@
 """Who sends first where several robots would send before news of one could reach the others: whose claim is best.
 
 A claim is what a receiver gains by a sample over the one it has, for as long again as it has had that, and a part of
-what the sample is worth by itself. Where it was all of that, streams that send often went before others too often: of
-eight robots with cameras those that saw red sent 20 % more than in the optimum, by the others' rate, and send as much
-now, with equal utility; without that part it would be 10 % less (simulation, 6 Mbit/s carried, six seeds). It grows
-until its stream sends, and what others know of that is never newer than what its robot knows. So they take a claim for
-better than it is, if anything, and no two robots both find their own the best. It grows no longer than samples last:
-where it did, streams that no plan sends held back those that all plans send, and ten robots with equal messages of
-unequal worth reached 79 % of a central decider (300 ms, broadcast), and reach 96 now.
+its own worth (without that, streams that send often are 20 % too often before others). It grows until its stream sends,
+but no longer than samples last, and what others know of it is never newer than what its robot knows: no two robots both
+find their own the best. Of what never sent it is the best; of two such the name decides.
 
-Whose claim is the best waits for the room that any robot leaves, and the others leave it that: four robots with cameras
-sent 2 % more bytes so, and eight 3 %. If all waited several would send at once.
+The best claim waits for the room that any robot leaves; the others leave it that (four robots: 2 % more bytes, eight
+3).
 
-Plans leave out what a lesser claim may just have had sent: four robots with cameras whose news took 100 ms filled 15 %
-of 1 Mbit/s, as each took the others' frames for sent, and fill 73 to 78 % now. What a better claim may just have had
-sent counts as taken until it is known what became of it: five robots with samples of random sizes exceeded the limit
-in 5 to 9 % of their windows where a sample gave way only once, and do so in 0.4 to 4 %. Who has the next best claim may
-have given way until then, so what becomes of its sample is known later still, and so on: of eight robots with cameras,
-whose news took 8 ms, three sent at one moment now and then (1.3 to 1.4 limits), and 1.4 % of the windows were over the
-limit with 1,028 kB sent; now 0.4 %, by 1 %, with 1,046 kB. Not so where it is known less well than news take when a
-sample comes: one such stream held up all behind it, and eight robots with two seldom streams each reached 81 to 87 % of
-a central decider (broadcast, 2 ms), and reach 90 to 96 now. Who sent last counts until all can know of it, though its
-own claim is small then: of ten robots with equal messages two sent at one moment in 3.2 to 6.4 % of the windows, and in
-1.0 to 1.9 % now.
+Plans leave out what a lesser claim may just have had sent: four robots with cameras whose news took 100 ms fill 73 to
+78 % of 1 Mbit/s, where each took the others' frames for sent 15. What a better claim may have had sent counts as taken
+until it is known what became of it, and so on down the claims: windows over the limit fell from 5 to 9 % to 0.4 to 4
+(five robots, random sizes). Not where that is known less well than news take: one such stream held up all behind it (81
+to 87 % of a central decider, 90 to 96 now). Who sent last counts until all can know of it (3.2 to 6.4 % of windows
+over, 1.0 to 1.9 now). Who gave way for longer than others count a sample gives way to worse claims, too (4.1 % over,
+0.5).
 
-All this holds for as long as others count a sample as one that may have been sent. Who gave way until after that, be it
-to one whose news it lacked, gives way to worse claims, too, for these do not wait for it any more. Of eight robots with
-cameras and small samples two sent at one moment in 4.1 % of the windows, and do so in 0.5 (20 ms, unicast, four seeds),
-with 0.1 % less utility and 6 % fewer bytes; ten robots with equal messages that broadcast had 8.5 % of the windows over
-the limit where 30 % of all was lost, and have 4.2 (three).
-
-Where large samples come seldom and are overheard nobody gives way: the plans of all say the same of what others may
-just have sent (`Team.agrees`), and ten robots with equal messages reach 2 to 5 % more so (most important, 2 to 100 ms),
-with 0 to 1 % of the windows over. Where samples wait for the room that others leave it does not do: of eight robots
-with cameras and small samples half of the windows were over the limit.
-
-A stream whose samples earn far less than their room costs is sent by no plan, or in the room that all others leave. So
-nobody gives way to its claim, which only grows, and it gives way to all that pay. Where it counted the others waited
-for such streams by turns: twelve robots with three streams each, of which one paid for its room, reached 28 to 52 % of
-a central decider, and reach 70 to 91 now, with no window over the limit (15 s).
-
-Of a stream that never sent a receiver has nothing, so its claim is the best. Of two such the name decides: when each
-began is known to others from numbers alone, and where they compared that each of two took the other's claim for the
-better one, and both waited; where they compared what a byte gains several led, as each knew other sizes. Of eight
-robots with cameras and small samples, whose applications began 3 s after the daemons, the last one's first frame went
-after 5.2 s in the mean, and goes after 2.6 (one decider: 4.5; four seeds).
+Nobody gives way where large samples are seldom and overheard, as all plans agree then (`Team.agrees`): 2 to 5 % more
+utility. Nor to a stream that earns far less than its room costs, as no plan sends it: twelve robots, of whose streams
+one in three paid, reach 70 to 91 % of a central decider instead of 28 to 52.
 """
 
 import math
@@ -110,11 +84,10 @@ def rivals(
     grew: Callable[[float], float],
     agreed: bool = False,
 ) -> tuple[tuple[float, ...], float]:
-    """Return what samples of others with a better claim than ours of a stream use that may be sent about now.
+    """Return what samples of others with a better claim than ours use that may be sent now; none if all `agreed`.
 
-    And until when at least, as far as they are not heard of [s]. There are none where all plans are `agreed` on them.
-    The best of them may have waited until the room last `grew`, as it is told of a time; each may have given way to who
-    sent last, and to those before it, until it was known what became of them.
+    And until when at least, as far as they are not heard of [s]. The best of them may have waited until the room last
+    `grew`; each may have given way to those before it until it was known what became of them.
     """
     claims = [] if agreed else _claims(now, view, disputes, stream, limits)
     claims = [(theirs, each) for theirs, each in claims if _pays(each, disputes)]
@@ -151,10 +124,7 @@ def rivals(
 
 
 def _is_late(now: float, view: SharedView, disputes: Disputes, stream: Stream, *, grew: float, leads: bool) -> bool:
-    """Whether others take it for known by now what became of the newest sample of a stream of ours.
-
-    Where it `leads` they leave it the room that `grew` last.
-    """
+    """Whether others take the fate of our newest sample for known; where it `leads`, since the room `grew`."""
     since = stream.newest.t_gen
     if leads and since < grew < since + disputes.patience(stream):
         since = grew + opening(view) + view.staleness.delay
@@ -164,8 +134,7 @@ def _is_late(now: float, view: SharedView, disputes: Disputes, stream: Stream, *
 def _due(now: float, stream: Stream, news: float) -> float:
     """Return when the newest sample of another robot was due whose fate we have not heard of; −∞: there is none [s].
 
-    Or is due so soon that its robot cannot have heard of what we send now: where that did not count, robots with
-    cameras exceeded the limit in up to 2.4 % of their windows (four, 20 ms; now none) and 2.8 % (eight, 5 ms; now 1.4).
+    Or is due before its robot can have heard of what we send now: without that up to 2.8 % of the windows were over.
     """
     schedule, half = stream.schedule, 0.5 * stream.schedule.period
     soon = now + max(news, min(schedule.uncertainty(now), half))
@@ -185,10 +154,7 @@ def _spread(now: float, stream: Stream) -> float:
 def _claims(
     now: float, view: SharedView, disputes: Disputes, stream: Stream, limits: tuple[Limit, ...]
 ) -> list[tuple[Claim, Stream]]:
-    """Return the contested streams of other robots that are large, with their claims as these are compared with ours.
-
-    Small ones that are new are soon something else.
-    """
+    """Return the contested large streams of other robots, with their claims as these are compared with ours."""
     return [
         (_theirs(now, each, stream), each)
         for each in view.contention.all(now)
@@ -214,10 +180,9 @@ def _waits(stream: Stream) -> bool:
 
 
 def _taken_by_new(now: float, view: SharedView, stream: Stream, limits: tuple[Limit, ...]) -> tuple[float, ...]:
-    """Return what those may send about now of whose large streams only the states tell.
+    """Return what those may send about now of whose large streams only the states tell; what never sent goes first.
 
-    What never sent goes before what has; of two that did not the name decides. Of eight robots that met in 10 % of the
-    windows of the first 6 s two of them sent at once, and do so in 3.5 %.
+    Of eight robots that met two sent at once in 10 % of the windows of the first 6 s, and do so in 3.5.
     """
     taken = (0.0,) * len(limits)
     first = [peer for peer in view.newcomers.met_lately(now) if stream.sent is not None or peer.robot > stream.robot]

@@ -1,10 +1,7 @@
-"""Robots that say nothing any more of the parts that we agreed on with them.
+"""Robots that say nothing any more of the parts that we agreed on with them: slots that they hold nobody passes on.
 
-A robot that could not agree in time gives up for a minute. What others agreed on with it stays in force for them: slots
-that it holds nobody passes on, and it keeps to an equal part beside what they have. Where such robots have much of a
-limit the others give up, too. Else ten robots with equal messages, a few important, used 46 % of it (57 now); and six
-of which some kept to equal parts had 51 % of the windows over the limit, by up to 1.62 (1 %). Where one that hears
-nothing has little it is the better way to go on without it.
+Where they have much of a limit the others give up, too: ten robots with equal messages used 46 % of it (57 now), six of
+which some kept to equal parts had 51 % of the windows over (1 now).
 """
 
 from proxy.core.protocol.bid import UNIT
@@ -22,10 +19,7 @@ class Departed:
         """Who departed since that table was agreed on."""
 
     def share(self, digest: Digest, agreement: Agreement) -> float:
-        """Return what part of a limit those have that departed, now that this digest came; an announcement says less.
-
-        They have what the table gives them that we agreed on, and the slots that they hold.
-        """
+        """Return what part of a limit those have that departed, by table and slots, now that this digest came."""
         if agreement.newcomer:
             return 0.0
         if (table := agreement.log.agreed) is not self._table:

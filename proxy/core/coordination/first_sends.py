@@ -1,12 +1,7 @@
 """Who sends first where the applications of several robots begin together, and nobody has heard of the others yet.
 
-Each robot believes that the limit is its own then, and news wait behind the frames of all. So those that may be about
-to begin send one large sample each first, in the order of their names and so far apart that each hears of those before.
-
-Where all sent as they came eight robots with cameras and small samples, whose applications began within 50 ms, filled
-the first windows to 1.7 to 2.9 limits and lost all their small samples for 0.3 s; now to 1.0 to 1.4, and lose none.
-Sixteen with cameras filled a channel for 1.2 s ahead, and carried a sixth less for the next 10 s (simulation, 5 and
-20 ms).
+Who may be about to begin sends one large sample first, in the order of names, so far apart that each hears of those
+before: eight robots with cameras filled the first windows to 1.7 to 2.9 limits, and to 1.0 to 1.4 now (simulation).
 """
 
 import math

@@ -1,9 +1,7 @@
 """Whose turn it is for room that a send leaves: its robot's first, then the next one's by name, and so on round.
 
-All that is not contested waits for room that anybody leaves. Where it asks for more than there is, all took such room
-at the moment it opened: of 6 to 12 robots that broadcast samples of 1 to 4 % of a limit 16 to 78 % of the windows were
-over the limit, by up to 1.28, and are 5 to 10 now, by up to 1.07, with 94 to 100 % of a central decider's utility (four
-teams, 2 and 20 ms, 30 s).
+Where all took such room at the moment it opened 16 to 78 % of the windows of 6 to 12 robots were over the limit, and 5
+to 10 are now, with 94 to 100 % of a central decider's utility (broadcast, 30 s).
 """
 
 from proxy.core.coordination.claims import news_take

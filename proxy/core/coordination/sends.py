@@ -140,11 +140,7 @@ class OwnSends:
         return sample in self._leaving
 
     def handed(self, now: float, sample: int) -> None:
-        """The mesh took a sample: a large one counts for a window from now on, not from when it was decided.
-
-        Where the next one was sent a window after the decision, one window in four of ten flights of a robot alone
-        held 1.23 to 1.31 limits, as this one had taken some ms longer to leave.
-        """
+        """The mesh took a sample: a large one counts from now on (else a window in four held up to 1.31 limits)."""
         send = self._leaving.pop(sample, None)
         if send is not None and self._sent.remove(send):
             self._sent.add(now, send[1])
@@ -191,10 +187,6 @@ class OthersSends:
 
 
 def uses_of(now: float, sent: Collection[Entry], limits: tuple[Limit, ...], leave_after: float) -> tuple[Send, ...]:
-    """Return what this used of each limit that others sent.
-
-    They announce when they decided, and their samples take as long to leave as ours: where who waited for their room
-    sent a window after the decision, windows of eight busy daemons held up to 1.3 limits.
-    """
+    """Return what this used of each limit that others sent, whose samples take as long to leave as ours."""
     alike = {amount: use_of(*amount, limits, own=False) for amount in {amount for _, amount, _ in sent}}
     return tuple([(min(t + leave_after, max(t, now)), alike[amount]) for t, amount, _ in sent])
