@@ -1,11 +1,7 @@
-"""The decision core: takes events, returns commands. No I/O, no clock, no thread.
+"""The decision core: takes events, returns commands, `Core.handle(event)`. No I/O, no clock, no thread.
 
-    core = Core(settings, specs, now)
-    for command in core.handle(event): ...
-
-The same events and settings give the same commands, whoever drives: the daemon, a simulation, a test. An event is taken
-in by one reaction (`reactions/`); then the parts go on with what is due (`_advance`), and name when they are next. Most
-of what is heard is only noted: where no sample waits for it, the parts go on when the next of them is due.
+The same events and settings give the same commands, whoever drives. One reaction takes an event in (`reactions/`); then
+the parts go on with what is due (`_advance`). Most of what is heard is only noted until the next of them is due.
 """
 
 from collections.abc import Callable
@@ -220,14 +216,9 @@ class Core:
     def _advance(self, now: float, commands: list[Command], *, answered: bool) -> list[Command]:
         """Go on with whatever can go on after an event; what one part says is passed on to the others.
 
-        The announcement of a sample goes before it, behind which it waited for as long as the sample takes on the air:
-        others sent meanwhile. Over ns-3's Wi-Fi 5.0 and 7.2 % of the windows of four robots with cameras that broadcast
-        were over the limit, now 0 and 1.8; 0.9 % with small samples beside, by up to 1.39 times, now 0.2; in unicast
-        up to 2.3 % of five robots with samples of 1 to 40 kB, now 1.1.
-
-        While a search is on nothing is told that has time: what it decides is to be told in a moment anyway. Nor, where
-        nobody plans with it, before a sample that was `answered`: a digest held frames up by 0.5 to 1 ms. It goes with
-        the next event, which says that the sample was handed over.
+        The announcement of a sample goes before it: behind it 5.0 and 7.2 % of the windows of four robots with cameras
+        were over the limit over ns-3's Wi-Fi, and 0 and 1.8 are. While a search is on nothing is told that has time,
+        nor, where nobody plans with it, before a sample that was `answered`: a digest held frames up by 0.5 to 1 ms.
         """
         urgent, commands, parts = False, [*commands], self._parts
         budget, channel, gossip, gate = parts.budget, parts.channel, parts.gossip, parts.gate

@@ -9,10 +9,7 @@ from proxy.core.forecast.tuning import TUNING
 
 
 class Bursts(Pattern):
-    """`size` samples every `step` [s], and that whenever a burst starts; `begun` samples of the last one are known.
-
-    Its `kind` tells size and step, its `jitter` is that of the bursts' starts, its `pause` the mean time between them.
-    """
+    """`size` samples every `step` [s], and that whenever a burst starts; `begun` samples of the last one are known."""
 
     def __init__(self, starts: Rhythm, size: int, step: float, last: float, begun: int) -> None:
         super().__init__(f"bursts {size} {step:.6g}", starts.period / size, starts.jitter, starts.period)

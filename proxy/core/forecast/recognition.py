@@ -1,7 +1,6 @@
 """Which pattern a stream has: as a spec says, as its robot reports, or as what was seen of it shows.
 
-A stream is periodic unless it shows otherwise: bursts by pauses far longer than the gaps within, randomness by
-generation times that no period explains. Of a random stream no more is known than its rate.
+A stream is periodic unless it shows bursts by long pauses, or randomness by times that no period explains.
 """
 
 import math
@@ -150,10 +149,7 @@ def _mean_interval(seen: History) -> float:
 
 
 def _spread(points: Sequence[Numbered]) -> float:
-    """Return how gaps between numbered times deviate: their median deviation as a part of their median.
-
-    About 0.7 where samples come at random, whatever the gaps between those that were seen; little where they do not.
-    """
+    """Return the median deviation of gaps between numbered times as a part of their median: 0.7 if random."""
     gaps = [((t - s), n - m) for (m, s), (n, t) in pairwise(points)]
     middle = sorted([gap / count for gap, count in gaps])[len(gaps) // 2]
     return sorted([abs(gap - count * middle) / sqrt(count) for gap, count in gaps])[len(gaps) // 2] / middle

@@ -74,11 +74,7 @@ class Gossip:
         self.announcements.greet()
 
     def advance(self, now: float, mode: Mode, *, urgent: bool, parts_changed: bool, relaxed: bool) -> list[Command]:
-        """Tell and ask what is due now.
-
-        `mode` is ours; whether the channel is `urgent` news, and what we ask for of the limits. `relaxed`: nobody
-        plans with what we tell, as there is room for all or nobody else sends.
-        """
+        """Tell and ask what is due now, in our `mode`; `urgent`: the channel is news; `relaxed`: nobody plans."""
         if relaxed and not (urgent or parts_changed) and self.digests.gather(now) and now < self.due_at(now):
             return []
         self._follow(now)

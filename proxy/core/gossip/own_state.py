@@ -40,9 +40,7 @@ def state_of(view: SharedView, mode: Mode) -> State:
 def shortened(state: State) -> tuple[State, int]:
     """Return as much of a state as a message holds, without the latest streams, and how much that leaves out.
 
-    And without what others do not read: keys that are too long, and key expressions, on which applications may publish,
-    too. One of them would spoil the whole state: the others knew no subscription of the robot, took one copy for what
-    two robots got, and sent 1.9 limits.
+    And without keys that others do not read, one of which would spoil the whole state.
     """
     streams = tuple([s for s in state.streams if checked.is_key(s.key)])[: BOUNDS.streams]
     subscriptions = tuple(filter(_is_readable, state.subscriptions))[: BOUNDS.subscriptions]

@@ -54,19 +54,12 @@ class StateAnnouncements:
         self._review_at = min(self._review_at, at)
 
     def subscribed(self, now: float) -> None:
-        """Our apps subscribe to other keys: nobody plans for streams that nobody is known to want.
-
-        Where that waited for the allowance eight robots, of which each knew by Zenoh that its own stream was wanted,
-        planned for themselves for 3 s after an operator's application began: up to five sent at one moment.
-        """
+        """Our apps subscribe to other keys: told at once, as nobody plans for streams that nobody wants."""
         self._subscriptions_are_new = True
         self.review(now)
 
     def sample_came(self, now: float, size: int, *, new: bool) -> None:
-        """A stream of ours, which may be `new`, has a sample of so many bytes, so its period may have changed.
-
-        Look at once where others plan with what is new, else when it is time to.
-        """
+        """A stream of ours, which may be `new`, has a sample; look at once where others plan with what is new."""
         large = new and self._announcements.changes_plans(size)
         self._large_is_new |= large
         every = 0.0 if new else TUNING.review_every
@@ -88,10 +81,7 @@ class StateAnnouncements:
         self._account.sent_other(now, len(pack_state(self.state)), 1)
 
     def tell_parts(self, report: SplitReport, *, splits: bool) -> SendState:
-        """Return our state with this report on parts, as an update of the same number: it overtakes none.
-
-        The bid is in it if it is another one than we told so before.
-        """
+        """Return our state with this report on parts, as an update of its number; the bid only if it is news."""
         before, self.state = self.state, replace(self.state, splits=splits, split=report)
         told = report
         if before.split is not None and before.split.version == report.version:
@@ -112,10 +102,7 @@ class StateAnnouncements:
         return commands
 
     def _allowed_at(self, now: float) -> float:
-        """When a state may follow the last one: once that is paid for, or at once if others plan with the news [s].
-
-        So may subscriptions if no more than one state is owed, for applications may change them all the time.
-        """
+        """When a state may follow the last one [s]: once that is paid for; sooner what others plan with."""
         owed, ahead = self._budget.paid_in, self._large_is_new
         if self._subscriptions_are_new:
             ahead |= owed <= self._budget.takes(len(pack_state(self.state)), self._account.copies)

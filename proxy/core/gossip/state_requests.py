@@ -30,10 +30,7 @@ class StateRequests:
         self._plan()
 
     def compare(self, now: float, tag: str, peer: Peer) -> None:
-        """Ask a robot for its state if its last digest names another one than we have.
-
-        A digest that names an older state than ours counts only if it has just come: others are older than our state.
-        """
+        """Ask a robot for its state if its last digest names another one; an older one only if it has just come."""
         if peer.state is None:
             self.want(now, tag)
         elif peer.digest is not None and (
@@ -44,10 +41,7 @@ class StateRequests:
             self.done(tag)
 
     def take(self, now: float, apart: float = TUNING.questions_apart) -> str | None:
-        """Return whom to ask now, the one that waits longest; None when it is nobody's turn.
-
-        In the long run questions are `apart` from each other [s].
-        """
+        """Return whom to ask now, who waits longest; None: nobody. In the long run questions are so far `apart` [s]."""
         if now < self.due_at:
             return None
         tag = min(self._open, key=lambda t: (self._open[t], t))

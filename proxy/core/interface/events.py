@@ -1,7 +1,4 @@
-"""What can happen to the core. Times are seconds on the daemon's monotonic clock, sizes are bytes.
-
-A sample's payload stays with the driver; the core speaks of it by the integer `sample` the driver gave it.
-"""
+"""What can happen to the core, in [s] on the daemon's monotonic clock and [B]; `sample` is the driver's number."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,10 +20,8 @@ class Event:
 class SamplePublished(Event):
     """An app on this robot published a sample that an information type covers.
 
-    `t_gen` is its generation time, `origin` the id inside its timestamp (hex, None: unstamped by the app),
-    `priority` is Zenoh's (1 real time … 7 background), `features` what its type extracts. `delete` marks a
-    deletion of the key: it passes. `superseded` samples of the stream gave way to it: they came since the last event of
-    the stream.
+    `origin` is the id inside its timestamp (hex, None: unstamped by the app), `priority` Zenoh's (1 real time … 7
+    background), `delete` a deletion of the key; `superseded` samples gave way to it since the last event of the stream.
     """
 
     sample: int
@@ -201,8 +196,7 @@ class ModeChanged(Event):
 class DecisionReady(Event):
     """The worker's answer to a `Decide`; `plan` is None when the planner failed with `error`.
 
-    `overhead` is the time since the event that asked for it less that of the search after its first iteration [s]. The
-    search was `cut` if it ended for want of time, before all its iterations were done and nothing was left to find.
+    `overhead` is all but the search after its first iteration [s]; that was `cut` if it ended for want of time.
     """
 
     ticket: int

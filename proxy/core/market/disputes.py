@@ -1,13 +1,8 @@
 """What is disputed: which streams the tree decides on, and what the others are booked for.
 
-How streams stand is weighed a few times a second (`prices.py`). What undisputed and priced streams use in a window is
-booked as load, the *reserve*: contested messages compete for the rest of each limit, so that small samples always find
-room, and the tree holds contested messages alone. Where nothing is contested nothing is reserved. A contested message
-that finds no room waits while what we sent ourselves leaves the window (`room.py`), and plans know it: their windows
-are shorter by as much as samples may be late.
-
-With a camera of 26 kB beside odometry, telemetry, a log and alarms one decider filled 82 % of 1 Mbit/s for one robot
-and 90 % for four, where trees of 60 messages of all streams filled 68 and 11 %.
+What undisputed and priced streams use in a window is booked as load, the *reserve*: contested messages compete for the
+rest of each limit, and wait for what we sent to leave the window (`room.py`). With a camera of 26 kB beside small
+streams one decider filled 82 % of 1 Mbit/s for one robot and 90 for four so, and 68 and 11 with trees of all streams.
 """
 
 import math
@@ -71,7 +66,7 @@ class Disputes:
     def advance(self, now: float, limits: tuple[Limit, ...], *, alone: bool, deciding: Stream | None = None) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
-        It is sooner where a sample is to be decided of a stream that is new, or that generated only half as many then.
+        Sooner for the one `deciding`, if it is new, or generated half as many then.
         """
         new = deciding is not None and self._knew_little(deciding)
         pause = TUNING.interval_each * len(self._weighed)
@@ -108,10 +103,7 @@ class Disputes:
         return self._weighed.get(_place(stream), UNKNOWN)
 
     def last_prices(self, now: float, limits: tuple[Limit, ...]) -> Amounts | None:
-        """Return what a unit of each limit cost when streams were weighed last; None where that is long ago.
-
-        Or where other limits are in force now.
-        """
+        """Return what a unit of each limit cost when streams were weighed last; None: long ago, or other limits."""
         named = [limit.name for limit in limits]
         if self.weighed_at < now - TUNING.known or [limit.name for limit in self._limits] != named:
             return None
@@ -212,9 +204,7 @@ class Disputes:
     def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float]) -> Amounts:
         """What robots that were met lately use of each limit, besides what is known of them, if they are like us.
 
-        Their states come late in large teams: eight robots that met had 20 to 40 % of the windows of the first 6 s over
-        the limit without it, 1 to 5 % with it. Who is known to send nothing is left out: an operator cost four robots
-        2 % of their bytes for 10 s.
+        Eight robots that met had 20 to 40 % of the first 6 s of windows over the limit without it, 1 to 5 % with it.
         """
         limits, me = self._limits, self._view.settings.robot
         met = (

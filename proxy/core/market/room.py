@@ -1,8 +1,7 @@
 """When there is room: sends leave the windows of the limits one after the other.
 
-Room that our own send leaves is ours to wait for. Room that another robot's send leaves is not: several would wait for
-it, and send at once when it opens (in a team of ten 13 % of the windows were exceeded). Who leads waits for that, too,
-and what is not contested does in turn.
+Room that another robot's send leaves is not ours: several would wait for it and send at once (in a team of ten 13 % of
+the windows were over). Who leads waits for that, too, and what is not contested does in turn.
 """
 
 import math
@@ -29,11 +28,7 @@ class Room(Enum):
 
 
 class Departures:
-    """What was sent, newest first, and what leaves the windows with each send: summed up once for all who ask.
-
-    Two hundred samples that waited for room each sorted and summed up the same thousand sends, which took a fifth of a
-    daemon with 100 streams. With `anybodys` room is whosever send leaves it.
-    """
+    """What was sent, newest first, and what leaves the windows with each send: summed up once for all who ask."""
 
     def __init__(self, own: Iterable[Send], others: Iterable[Send], *, anybodys: bool = False) -> None:
         sends = sorted([*((t, True, use) for t, use in own), *((t, anybodys, use) for t, use in others)], reverse=True)
@@ -44,8 +39,7 @@ class Departures:
     def opens(self, limits: Sequence[Constraint], needed: tuple[float, ...]) -> float:
         """Return when all limits have room for what is `needed`, if nothing else is sent [s]; −∞ where there is now.
 
-        Never (∞) where it is more than a limit, or where the room opens that another robot's send leaves, unless
-        `anybodys` room will do.
+        Never (∞) where it is more than a limit, or in room that another robot leaves, unless `anybodys` will do.
         """
         return max((self._opens(c, k, needed[k]) for k, c in enumerate(limits)), default=-math.inf)
 

@@ -1,7 +1,4 @@
-"""The streams that compete as rows, each worked out anew only when something of its stream has changed.
-
-Most streams generate more seldom than streams are weighed. The rows of a hundred took 0.9 ms, and take 0.4.
-"""
+"""The streams that compete as rows, each worked out anew only when its stream changed: of a hundred 0.4 ms, not 0.9."""
 
 from collections.abc import Iterable
 from typing import NamedTuple

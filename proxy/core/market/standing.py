@@ -27,11 +27,10 @@ class Standing(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Weighed:
-    """How a stream stands whose samples are worth `scale`.
+    """How a stream stands whose samples are worth `scale`: it comes every `interval`, should be sent every `apart` [s].
 
-    It generates every `interval`, and is expected to send every `apart` [s]; without end when nothing of it pays.
-    The room of a sample costs so much; one earns `least` where all are sent, `most` where hardly any is [utility·s].
-    Each unit of its excess loses it `relief` a second until it sends, where it is one of `current` [1/s].
+    A sample's room costs so much; it earns `least` where all are sent, `most` where hardly any is [utility·s]. Each
+    unit of excess loses it `relief` a second, where it is one of `current` [1/s].
     """
 
     standing: Standing
@@ -54,8 +53,8 @@ UNKNOWN = Weighed(Standing.CONTESTED, 0.0, 0.0, 0.0)
 class Row(NamedTuple):
     """A stream as it is weighed: its mean `interval`, the `age` of its samples at receipt [s], what a sample uses.
 
-    Of each limit it uses the mean and, where sizes vary, the deviation. `scale` counts all receivers, and so does what
-    each unit of excess loses a second in a stream of `current`, `relief` [1/s].
+    Of each limit the mean and the deviation. `scale` and `relief`, the loss of a unit of excess [1/s], count all
+    receivers.
     """
 
     stream: Stream
@@ -81,10 +80,7 @@ class Row(NamedTuple):
 def row_of(
     now: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
 ) -> Row:
-    """Return what there is to know of a stream whose samples go to this audience, in so many copies.
-
-    So many streams are `new` that compete.
-    """
+    """Return a stream whose samples go to this audience, in so many copies, as a row; so many are `new`."""
     size = round(stream.sizes.mean)
     use = use_of(size, copies, limits, own=own)
     more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
@@ -102,8 +98,7 @@ def row_of(
 def interval_among(now: float, stream: Stream, limits: Sequence[Limit], *, own: bool, new: int) -> float:
     """Return the mean time between samples of a stream that competes for these limits, and so many that are `new` [s].
 
-    What others do not tell of goes on as it did: eight robots with cameras kept no room for the small samples of some
-    of them, as if they were silent, and windows were over the limit by 5 %.
+    What others do not tell of goes on as it did: else windows of eight robots were over the limit by 5 %.
     """
     until = stream.touched if not own and _is_periodic(stream) else now
     return interval_of(until, stream, min([c.window for c in limits]), new=new)
@@ -137,9 +132,8 @@ def variance_of(stream: Stream, count: float, use: float, deviation: float) -> f
 def interval_of(now: float, stream: Stream, window: float, most: float = 2.0, new: int = 1) -> float:
     """Return the mean time between samples [s].
 
-    A new stream generates in a window at most so many times as many as so far, and no faster than it did with two more;
-    of many that are `new` not all generate more than expected. Of 2,000 keys of one sample each all seemed to go on for
-    so long that other small samples of their robot were dropped for 7 s, and now are for 2.
+    A new stream generates in a window at most so many times as many as so far, and no faster than with two more; of
+    many that are `new` not all do: of 2,000 keys of one sample each all seemed to go on for 7 s, and do for 2.
     """
     if rate_known(now, stream, window):
         return stream.period

@@ -1,9 +1,7 @@
 """What others may just have sent of what nobody disputes, and we have not heard of yet.
 
-Such samples ask for nobody's leave. Where many small ones share a limit that is nearly full, two go into the room of
-one while news of the first is on its way: eight robots with streams of 2 to 10 Hz had 10 % of the windows over the
-limit (2 and 20 ms, broadcast), and have 7 and 5 %, for 3 and 2 % of the utility. Room for two deviations cost 4 % where
-it kept 1 % more of the windows.
+Eight robots with streams of 2 to 10 Hz had 10 % of the windows over the limit without it (2 and 20 ms, broadcast), and
+have 7 and 5, for 3 and 2 % of the utility.
 """
 
 import math

@@ -1,7 +1,4 @@
-"""How samples travel between robots, as they tell each other.
-
-`unicast`, or `broadcast` and the group: robots on different groups do not hear each other either.
-"""
+"""How samples travel between robots, as they tell each other: `unicast`, or `broadcast` and the multicast group."""
 
 UNICAST = "unicast"
 """A sample is sent once to each robot that wants it."""
