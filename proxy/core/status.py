@@ -29,7 +29,7 @@ UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown", ":unproved")
 def report(
     core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
 ) -> dict[str, Any]:
-    """All that the core knows but for its streams, by topic. Times are ages or durations [s], sizes are bytes.
+    """All that the core knows but for its streams, by topic, as ages or durations [s] and bytes.
 
     `refused` counts what was heard and changed nothing, `retained` is what is taken from apps whoever is here.
     """
@@ -81,10 +81,7 @@ def streams(core: Parts, now: float) -> list[dict[str, Any]]:
 
 
 def live_streams(core: Parts, now: float) -> dict[str, Any]:
-    """Return of the streams only what who looks again and again shows, as `rows` under `columns`.
-
-    That is a third of the text, and takes half as long.
-    """
+    """Return what changes of each stream, as `rows` under `columns`: a third of the text, in half of the time."""
     glance = Glance(core.view, now)
     rows = [_live(stream, glance, now, *glance.wanted(stream)) for stream in core.view.streams]
     return {"columns": LIVE, "rows": rows}

@@ -131,11 +131,7 @@ def _search(searched: Searched) -> dict[str, Any]:
 
 
 def _compared(plan: Plan) -> tuple[float | None, float | None, float | None]:
-    """Return what the best plans known with and without the sample are worth, and by how much the former exceeds.
-
-    The latter is of all that the search maximises. A plan that sends the sample may be better without it than all that
-    were found: nothing is left to find where no plan without it can be the best.
-    """
+    """Return what the best plans with and without the sample are worth, and by how much the former exceeds."""
     if not plan.send:
         return plan.opposite, plan.utility, None if plan.lead is None else -plan.lead
     lead = min((each for each in (plan.lead, plan.earns) if each is not None), default=None)

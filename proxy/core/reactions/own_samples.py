@@ -110,10 +110,7 @@ class OwnSamples:
         return []
 
     def _valued(self, stream: Stream, waiting: Waiting, extracted: Mapping[str, float], count: int) -> Waiting:
-        """Return a sample with its worth by the specs in force; it is number `count` of the stream.
-
-        A deletion that is decided has no features of its own: it has those that samples have by default.
-        """
+        """Return a sample, number `count` of its stream, with its worth by the specs; deletions have defaults."""
         shown = extracted or stream.information_type.completed({})
         features = {name: feature(value) for name, value in shown.items()} if shown else {}
         scale = rounded(stream.information_type.scale(features))

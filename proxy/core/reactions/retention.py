@@ -38,10 +38,7 @@ class Retention:
         return self.renew() if self._kept.sweep(now) else []
 
     def follow(self, now: float, commands: Iterable[Command]) -> None:
-        """Note what becomes of samples: whoever vanishes soon may not have got those that were sent to it.
-
-        So is it with those for which there was no room: where robots share, it may be because of who has vanished.
-        """
+        """Note what becomes of samples: who vanishes soon may not have got them, or be why there was no room."""
         for command in commands:
             if isinstance(command, Forward | Drop) and (key := self._kept.key_of(command.sample)) is not None:
                 lost = isinstance(command, Drop) and command.reason != CONSTRAINT

@@ -1,7 +1,6 @@
 """Samples that wait for room behind others: what comes later and uses no less finds none before those do.
 
-So of all that wait only the leaders are looked at when room opens. Where each of 256 samples was looked at, as each
-believed that the next room was its own, a daemon with 100 streams of 30 samples/s spent nearly all its time on that.
+So only leaders are looked at when room opens; with all 256 a daemon with 100 streams of 30 samples/s did nothing else.
 """
 
 import math
@@ -42,10 +41,7 @@ class Followers:
         self._leaders[sample.sample] = _Entry(place(sample), sample.key, kind, use, opens_at)
 
     def follow(self, kind: Hashable, sample: Waiting, use: tuple[float, ...]) -> float | None:
-        """Let a sample wait behind another one; return before when there is no room for it [s].
-
-        None where no other one comes before it.
-        """
+        """Let a sample wait behind another one; return before when there is no room for it [s]. None: behind nobody."""
         leader = self._follow(_Entry(place(sample), sample.key, kind, use))
         return None if leader is None else leader.opens_at
 
@@ -86,10 +82,7 @@ class Followers:
         return None
 
     def _followed_by_its_key(self, entry: _Entry) -> int | None:
-        """Return whom one of its key follows that comes before it; those before that one that left are forgotten.
-
-        Where none was, the next one took 2 ms behind 7,000 that had left.
-        """
+        """Return whom one of its key follows that comes before it; those before that one that left are forgotten."""
         found, gone = None, []
         for at, number in self._keys.get(entry.key, {}).items():
             if self._inbox.rests_until(at[-1]) is None:

@@ -68,10 +68,7 @@ class Gate:
         return [(each, self._waits.opens_at(each)) for each in self.undecided if each.key == key]
 
     def put(self, now: float, waiting: Waiting) -> list[Command]:
-        """Send a sample at once if it surely fits, else queue it.
-
-        Where too many wait all go at once if the limits have room for them; if not, one leaves.
-        """
+        """Send a sample at once if it surely fits, else queue it; too many go at once if they fit, else one leaves."""
         if self.appraisal.all_fits and not self.waits and (forwarded := self._send_fitting(now, waiting)) is not None:
             return [forwarded, *self.undecided.pass_deletions()]
         if self.search.busy() and (stream := self.appraisal.stream_of(now, waiting)) is not None:
@@ -105,8 +102,7 @@ class Gate:
     def _send_beside(self, now: float, stream: Stream, sample: Waiting) -> Command | None:
         """Send a sample beside one that a search decides on, if nothing disputes it and there is room; else None.
 
-        Not before others of its key, nor where samples wait for room. What it takes counts when the answer comes: if
-        that leaves no room, the other sample waits for it.
+        Not before others of its key, nor where samples wait for room.
         """
         pending, appraisal, view = self.search.pending, self.appraisal, self._view
         if pending is None or self._copies or self._waits.for_room or self.undecided.holds(sample.key):
@@ -293,10 +289,7 @@ class Gate:
         return [Notice("error", text)] if error != before else []
 
     def _without_plan(self, now: float, pending: Pending, *, late: bool) -> list[Command]:
-        """Decide by priority and token buckets; where the plan is `late` send what fits, or its room is lost.
-
-        Unless something more urgent waits.
-        """
+        """Decide by priority and token buckets; `late` send what fits, unless something more urgent waits."""
         if pending.copy is not None:
             return self._copy_gate.by_rule(now, pending.copy, self._rule)
         cause = Shortcut.LATE if late else RULE

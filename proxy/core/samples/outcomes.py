@@ -111,10 +111,7 @@ class Outcomes:
             self._view.handed(key)
 
     def refused(self, now: float, sample: int, reason: str) -> str:
-        """The mesh session did not take the sample: if it was the first for some robots, the next one will be.
-
-        Return its key.
-        """
+        """The mesh session did not take the sample, so it was the first for nobody; return its key."""
         self._budget.own.refused(sample)
         stream, names = self._first.pop(sample, (None, ()))
         if stream is not None:

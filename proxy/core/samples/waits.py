@@ -63,18 +63,12 @@ class Waits:
         return self._for_others(now, stream, sample) or self._for_room(now, stream, sample)
 
     def give_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
-        """Put a sample back into the inbox until it is known what others have sent, or this time has come [s].
-
-        Return whether it waits: it does not where a newer one is there, or where it would be too old by then.
-        """
+        """Put a sample back until others' sends are known, or then [s]; whether it waits, not too old or outdated."""
         known_at = max(now + TUNING.shortest_wait, min(until, now + news_take(self._view)))
         return self._put_back(stream, sample, known_at)
 
     def for_channel(self, now: float, stream: Stream, sample: Waiting) -> bool:
-        """Put a sample back until the channel has carried what was sent meanwhile; return whether it waits.
-
-        It does not where a newer one is there, or where it would be too old by then.
-        """
+        """Put a sample back until the channel has carried what was sent; whether it waits, not too old or outdated."""
         free = self._channel_free(now, stream)
         return free > now and self._put_back(stream, sample, free)
 
@@ -88,10 +82,7 @@ class Waits:
         return True
 
     def _for_others(self, now: float, stream: Stream, sample: Waiting) -> bool:
-        """Whether a large sample waits for what robots that have just been met sent lately, or that begin as we do.
-
-        Without that a robot that joined sent its first frame beside two of theirs, and the window held 1.4 limits.
-        """
+        """Whether a large sample waits for what who was just met sent lately, or begins as we do (else 1.4 limits)."""
         until, limits = self._view.newcomers.greeted_by(now), self._budget.limits
         if now >= max(until, stream.began + COORDINATION.first_time):
             return False
@@ -105,10 +96,7 @@ class Waits:
         return True
 
     def _for_room(self, now: float, stream: Stream, sample: Waiting) -> bool:
-        """Whether a sample waits, as something we sent soon leaves the window, or behind others that do.
-
-        Under the same limits room never opens earlier than it seemed to at first.
-        """
+        """Whether a sample waits, as something we sent soon leaves the window, or behind others that do."""
         appraisal = self._appraisal
         if not self._view.subscribers.gaining(stream):
             return False

@@ -24,9 +24,7 @@ class _Send:
 class Ledger:
     """Our sends within each limit's window, as parts of the limits.
 
-    When our part falls, the room that we give up still holds what we sent in it. Nobody else uses that room before
-    this has left the window. So it is *struck off*: it does not count against what we keep, and small messages go on
-    beside a large one that was sent in a slot before this was passed on.
+    What was sent in room that we give up is *struck off*: nobody else uses that room before it has left the window.
     """
 
     def __init__(self, windows: Sequence[float]) -> None:

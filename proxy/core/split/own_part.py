@@ -16,10 +16,7 @@ class OwnPart:
         self._steady = Steady(now, entitled, self.window)
 
     def of(self, now: float, limit: int = 0) -> float:
-        """Return what our sends within the window of a limit may use together, as a part of it.
-
-        `now` may lie ahead: what it will be if nothing is heard and no turn ends.
-        """
+        """Return what our sends within the window of a limit may use together, as a part of it; `now` may be ahead."""
         return (self._steady.least(now) + self._ledger.struck(now, limit)) / UNIT
 
     def free(self, now: float, limit: int = 0) -> float:
@@ -59,10 +56,7 @@ class OwnPart:
         self._strike(now, before)
 
     def give_up(self, now: float, entitled: int, slot: int, exclusive: int) -> float:
-        """A slot goes to the next robot: what we sent and has no room beside it was sent in it.
-
-        Return when the last of that was sent [s]. `exclusive` is what we have without slots; all in units.
-        """
+        """A slot goes to the next robot; return when the last was sent in it [s]. `exclusive`: ours without [units]."""
         before = self._steady.least(now)
         self._steady.give_up(now, entitled, slot, exclusive)
         self._strike(now, before)

@@ -12,7 +12,7 @@ def worthwhile(agreement: Agreement, bid: Bid) -> bool:
 
 
 def indifferent(agreement: Agreement, bid: Bid) -> bool:
-    """Whether we have everybody's bid, and little would be gained if all agreed on this one of ours.
+    """Whether little would be gained if all agreed on this bid of ours, as far as we have everybody's.
 
     Either each would have about what it has, or slots alone would change hands, and all together gain little.
     """
@@ -29,10 +29,7 @@ def indifferent(agreement: Agreement, bid: Bid) -> bool:
 
 
 def starves(agreement: Agreement, bid: Bid) -> bool:
-    """Whether no message fits what we have, though one would with this bid: what we asked for was a bit too small.
-
-    One of four robots with cameras was silent so for 12 s, with its part unused.
-    """
+    """Whether no message fits what we have, though one would with this bid (one of four robots was silent for 12 s)."""
     newest = agreement.log.newest
     if newest.allocation.carries(agreement.own, bid):
         return False

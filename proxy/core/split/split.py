@@ -16,11 +16,9 @@ from proxy.core.split.turns import Turn
 class Split:
     """One robot's part of every shared limit, by what it has heard so far.
 
-    `windows` are those of the shared limits [s]. `floor` is the part of the limits that is kept for newcomers. At
-    `settled_at` [s] all who are there have seen us: a robot that sees nobody then has everything. `kind` stands for
-    what all must share to take part together (limits, specs); `version` is greater than any announced under our tag
-    before. `twice`: what is news is announced two times. Digests of a peer come in the order in which it sent them;
-    late ones are left out by the caller.
+    `windows` are those of the limits [s], `floor` is the part for newcomers. At `settled_at` [s] all have seen us.
+    `kind` stands for what all must share (limits, specs); `version` is greater than any announced under our tag.
+    `twice`: news is announced two times. Digests of a peer come in the order in which it sent them.
     """
 
     def __init__(
@@ -97,10 +95,7 @@ class Split:
         self.exchange.heard(now, announcement, sent, unconfirmed)
 
     def sent(self, now: float, uses: Sequence[float], windows: float = 1.0) -> bool:
-        """We sent a message that uses such parts of the shared limits; return whether we passed a slot on.
-
-        One that is larger than all that we may use has so many windows for itself, until all of it would have fitted.
-        """
+        """We sent a message that uses such parts of the limits, over so many windows; whether we passed a slot on."""
         self.own_part.sent(now, uses, windows)
         changes = self.agreement.newcomer or self.agreement.turns
         return bool(changes) and self.advance(now, self.exchange.delay, self._passes_at)
@@ -108,9 +103,8 @@ class Split:
     def advance(self, now: float, delay: float, passes_at: float = -math.inf) -> bool:
         """Time passed; news take so long to others [s]. Return whether we passed a slot on.
 
-        Not before that could be told [s]: until the next robot hears of it nobody has the slot. Where it was passed on
-        all the same twelve robots whose first states had taken 18 s of the allowance used 14 to 24 % of a limit for as
-        long, and use 60 to 70 now (0.3 Mbit/s, unicast).
+        Not before that could be told [s]: else twelve robots used 14 to 24 % of a limit, and use 60 to 70 now
+        (unicast).
         """
         self.exchange.note_delay(delay)
         self._passes_at = passes_at

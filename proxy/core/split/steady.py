@@ -6,8 +6,8 @@ from itertools import pairwise
 class Steady:
     """A number, and the least that it was in the last `window` [s].
 
-    Why one window suffices: what a robot uses in a window is at most what it had at each moment of the window before,
-    so at most what it had when the window began. Summed over robots this holds when the numbers do at every moment.
+    What a robot uses in a window is at most what it had when that began: summed over robots that holds as the numbers
+    do.
     """
 
     def __init__(self, now: float, value: int, window: float) -> None:
@@ -30,10 +30,7 @@ class Steady:
         self._values = self._values[first:]
 
     def give_up(self, now: float, value: int, room: int, least: int) -> None:
-        """It is `value` from now on, and counts as if some room had never been part of it: `least` always was ours.
-
-        Other room that came meanwhile may not be ours throughout the window, and does not stand in for this one.
-        """
+        """It is `value` from now on, and counts as if some room had never been part of it: `least` always was ours."""
         self._values = [(start, min(had, max(had - room, least))) for start, had in self._values]
         self.set(now, value)
 

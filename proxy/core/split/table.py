@@ -13,10 +13,7 @@ Entry = tuple[int, Bid]
 
 
 class Table:
-    """The bids of all members, None where one is not known, and which robots confirmed that they have the same.
-
-    Its name is a hash, which stands for the table itself: two tables of one name are the same one.
-    """
+    """The bids of all members, None where one is not known, named by a hash, and which robots confirmed the same."""
 
     def __init__(
         self,

@@ -108,9 +108,8 @@ class Inbound:
     def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> tuple[float, float] | None:
         """A sample arrived; `stamp` is on its robot's wall clock [s].
 
-        Return when it was generated and sent, on our clock [s], by what samples take and how long they wait; None while
-        that is not known. Its timestamp serves to find what samples take, once it is sure that the clock was not set
-        meanwhile.
+        Return when it was generated and sent, on our clock [s], by what samples take and how long they wait; None: not
+        known.
         """
         self.samples += 1
         if self._last[1]:
@@ -135,9 +134,7 @@ class Inbound:
     def heard_news(self, now: float, key: str, news: StreamDigest, *, counts: bool) -> None:
         """The robot tells of a stream. The news `counts` if each sample is for us and those it tells of have come.
 
-        But for the last one, which may be on its way: it counts when the next one is told of. Where it was taken for
-        lost, robots took their own samples to arrive more surely than those of others, and where one of two should
-        send both did: of ten robots with equal messages in a fifth of such cases (100 ms, broadcast).
+        But for the last one, which may be on its way: else of ten robots two sent a fifth of what one should (100 ms).
         """
         incoming = self._of(key)
         before, heard = incoming.counted, incoming.heard
@@ -160,10 +157,7 @@ class Inbound:
             self._digests.observe(now, size, max(0.0, now - self._offset.ours(sent)))
 
     def forget_queue(self, now: float) -> None:
-        """Forget what samples took in a queue when none came lately and digests are quicker.
-
-        A robot that believes in the queue sends no samples, as they would come too late: it would never learn better.
-        """
+        """Forget what samples took in a queue when none came lately and digests are quicker: nobody would send."""
         at, size = self._last
         if not self._offset.known or now < at + max(TUNING.unconfirmed_for, TUNING.unconfirmed_gaps * self._period):
             return
@@ -204,10 +198,7 @@ class Inbound:
         return now < sent + (TUNING.slow_sample * line.of(news.size) if line else TUNING.oldest_arrival)
 
     def _compare(self, incoming: Incoming, news: StreamDigest) -> None:
-        """All samples that were sent came, so the news tells when the last one was sent, whatever its timestamp.
-
-        What was learnt from timestamps of another clock is forgotten.
-        """
+        """All samples that were sent came, so the news tells when the last one was, and if its timestamp is astray."""
         if incoming.stamp < 0.0 or self.wall_offset is None or not self._offset.known:
             return
         incoming.judge(news.t_forwarded, self.wall_offset, news.period)
@@ -216,10 +207,7 @@ class Inbound:
             self._samples = LatencyFit()
 
     def _read(self, until: float, *others: float) -> None:
-        """Read the timestamps of samples that came until then: that the wall clock was set would be known by now.
-
-        The wall clock may also have had the offsets `others`; the likeliest reading counts.
-        """
+        """Read the timestamps of samples that came until then, by the likeliest of the wall clock's offsets."""
         while self._unread and self._unread[0].at <= until:
             heard = self._unread.popleft()
             took = None if heard.stream.astray else self._took(heard, self.wall_offset)

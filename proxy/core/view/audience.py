@@ -15,10 +15,7 @@ from proxy.core.view.tuning import TUNING
 
 
 def grouped(ways: Iterable[Way]) -> tuple[float, tuple[Receiver, ...]]:
-    """Return the least latency [s], and the receivers with their delays after it; each robot counts once.
-
-    As far as messages get to it. There is at least one way.
-    """
+    """Return the least latency [s], and the receivers with their shares and delays after it; there is a way."""
     alike: dict[int, list[Way]] = {}
     for way in ways:
         alike.setdefault(round(way.latency / TUNING.alike_latency), []).append(way)
@@ -46,10 +43,7 @@ def _with_nearest_joined(groups: list[Way]) -> list[Way]:
 
 @dataclass(frozen=True, slots=True)
 class Audience:
-    """Those that gain by a stream: a message of `size` [B] takes `latency` [s] to the first of the `receivers`.
-
-    Every byte more adds `per_byte` [s/B].
-    """
+    """Those that gain by a stream: `size` [B] take `latency` [s] to the first, every byte more `per_byte` [s/B]."""
 
     size: int
     latency: float
@@ -85,8 +79,7 @@ def audience_of(fan: Fan, gaining: tuple[str, ...], size: int, lost: float) -> A
 class Audiences:
     """The audience of each stream, looked at anew when somebody joins or leaves it, and now and then.
 
-    In large teams that is more work, and done more rarely. Streams of one robot whose samples are of about one size,
-    and which the same robots want, have one audience.
+    Streams of one robot of about one size that the same robots want have one.
     """
 
     def __init__(self, settings: CoreSettings, members: Members, subscribers: Subscribers, paths: Paths) -> None:
@@ -101,12 +94,10 @@ class Audiences:
         """Whether as much is taken to be lost on all ways."""
 
     def take_alike(self, *, alike: bool) -> None:
-        """Take as much to be lost on all ways, so that all robots know the same of each, or what is known of each.
+        """Take as much to be lost on all ways, so that all robots know the same, or what is known of each.
 
-        A robot knows other ways than others do, each from a few samples. Where nobody gives way to another one, and all
-        plans have to be the same, ten robots with equal messages (most important, 20 ms, 10 % lost) had 6.5 to 9.4 % of
-        the windows over the limit by that, and have 0 to 1; on a channel that refuses what exceeds it, which is lost,
-        11 % of what they sent was refused (100 ms, 2 %), and nothing is.
+        Where all plans have to be the same ten robots had 6.5 to 9.4 % of the windows over the limit, and have 0 to 1
+        (10 % lost).
         """
         if alike != self._alike:
             self._alike = alike

@@ -1,8 +1,4 @@
-"""Who subscribes to what: for any key the robots that want it, exact under every change, at little cost.
-
-Robots of a team mostly subscribe to the same expressions, so a key is compared with each expression once, whoever has
-it, and its answer is kept until an expression that matches the key comes or goes.
-"""
+"""Who subscribes to what, for any key: answers are kept until an expression that matches comes or goes."""
 
 from collections.abc import Collection, Iterable
 from functools import lru_cache

@@ -56,10 +56,7 @@ class Members:
 
     @property
     def unannounced(self) -> int:
-        """How many robots may want what we send though they did not say so: Zenoh knows sooner than they can.
-
-        However many sessions have one name, they are one robot.
-        """
+        """How many robots, of different names, may want what we send though they did not say so: Zenoh knows sooner."""
         peers = self._peers
         return len({peers[name].name for name in self._silent if not peers[name].plain}) if self._silent else 0
 

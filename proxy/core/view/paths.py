@@ -1,7 +1,4 @@
-"""The ways of messages from robot to robot, as far as this robot knows: how long they take, and how surely.
-
-What our samples take we are told, what comes to us we measure; of a way between two others the receiver tells.
-"""
+"""The ways of messages from robot to robot: how long they take, and how surely, as measured here or told."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -37,10 +34,7 @@ class Fan:
         return Fan({name: (line, None) for name, (line, _) in self._known})
 
     def ways(self, gaining: tuple[str, ...], size: float, lost: float) -> list[Way]:
-        """Return the ways of a sample of `size` [B] to those that gain by it; where a time is not known the mean is.
-
-        Receivers of whose ways nothing is known make one way, with the sum of their shares; `lost` is the mean loss.
-        """
+        """Return the ways of a sample of `size` [B] to those that gain by it; where unknown the mean time and loss."""
         names, share, mean = set(gaining), 1.0 - lost, self.mean.of(size)
         found = [
             Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(TUNING.most_loss, loss))
@@ -65,9 +59,7 @@ class Paths:
     def on_air(self, gaining: tuple[str, ...], size: float) -> float | None:
         """Return what samples of `size` [B] take beyond digests to those that gain by ours, as these tell [s].
 
-        The median of what they tell of our samples, and a few of them of others', for all go by one channel: of eight
-        robots one was told once in 30 s, before its first large sample had come. None while they told of none. Who
-        gets no samples knows of small messages alone, and says nothing of it.
+        The median of what they tell of our samples, and a few of them of others'; None while they told of none.
         """
         senders = self._members.peers
         peers = [peer for name in gaining if (peer := senders.get(name)) is not None]

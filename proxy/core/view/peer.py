@@ -37,9 +37,7 @@ class PendingNews:
     def keep(self, news: StreamDigest) -> bool:
         """Keep news; return whether it surely tells of another sample that was sent.
 
-        Of too many the one not heard of for longest is forgotten: a key that is gone by the next state is never known.
-        What is told of such a stream again may have counted before: of 1,100 that sent one sample each that counted
-        anew each time it was told.
+        Of too many the one not heard of for longest is forgotten; told again, it may have counted before.
         """
         earlier = self._news.pop(news.id, None)
         forgotten = earlier is None and news.id <= self._forgotten

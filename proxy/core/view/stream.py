@@ -69,10 +69,7 @@ NONE: Mapping[str, float] = MappingProxyType({})
 
 
 class Generated(NamedTuple):
-    """The last sample generated. `t_gen` is on our clock [s], `size` in bytes, `scale` its value factor.
-
-    `features` are what is known of its features: of those of other robots' samples only what these tell.
-    """
+    """The last sample generated, at `t_gen` on our clock [s], with the `features` that are known of it."""
 
     t_gen: float
     size: int
@@ -144,10 +141,7 @@ class Stream:
     def note_generated(
         self, count: int, last: Generated, *, overheard: bool = False, told: Rhythm | None = None
     ) -> None:
-        """Sample number `count` of the stream was generated.
-
-        An `overheard` one is the first that we know of, from the air alone. A rhythm that its robot `told` holds.
-        """
+        """Sample number `count` was generated; `overheard`: the first, known from the air; a `told` rhythm holds."""
         if count <= self.generated:
             return
         self.overheard |= overheard
@@ -198,10 +192,7 @@ class Stream:
             self.recent[k] = sent._replace(scale=rounded(scale(sent.features)))
 
     def note_sent(self, count: int, sent: Sent) -> list[Sent]:
-        """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it.
-
-        Return all that is new, in order.
-        """
+        """The stream's `count`-th send was this one, untold ones are spread evenly before it; return all new ones."""
         missed = count - self.forwarded - 1
         if missed < 0:
             return []
@@ -225,8 +216,7 @@ class Stream:
     def number(self, now: float, count: int, *, heard: bool) -> None:
         """Its robot tells how many samples it sent; the last one may have been `heard` from the air.
 
-        Where that is told for the first time what was sent before we overheard any does not count. Where it stays less
-        than we know of, what we know was forged, or its robot passed samples without counting them: it knows better.
+        What was sent before we overheard any does not count; where it stays less than we know, its robot knows better.
         """
         if self.overheard:
             self.overheard = False
@@ -315,10 +305,7 @@ def usual_scale(stream: Stream) -> float:
 
 
 def at_stake(stream: Stream, scale: float) -> float:
-    """Return the value factor of what a sample of a `scale` changes, whatever it is worth by itself.
-
-    Of `current` that is at least that of what was sent last: a sample of less worth ends what that one shows too much.
-    """
+    """Return the value factor of what a sample of a `scale` changes: of `current` at least that of the last sent."""
     if stream.sent is None or stream.information_type.aggregation is not Aggregation.CURRENT:
         return scale
     return max(scale, stream.sent.scale)

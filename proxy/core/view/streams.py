@@ -1,7 +1,4 @@
-"""All streams in the view, by robot and key: which there are, whose they are, and which leave when there are too many.
-
-All plain nodes together count as one owner: so nobody can push out a robot's streams by posing as many nodes.
-"""
+"""All streams in the view, by robot and key: which there are, whose (plain nodes are one owner), and which leave."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -75,10 +72,9 @@ class Streams:
         return self._all.get((robot, key))
 
     def touch(self, now: float, robot: str, key: str, number: int = 0) -> Stream | None:
-        """Something is heard of the stream of a robot and key; return it, made when new.
+        """Something is heard of the stream of a robot and key; return it, made when new; its `number` may be told.
 
-        It is the last of its owner's to be forgotten then. None when no spec plans for the key. Another robot may have
-        told the stream's `number`.
+        None when no spec plans for the key.
         """
         place = robot, key
         found = self._all.get(place)

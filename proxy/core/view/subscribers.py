@@ -76,10 +76,9 @@ class Subscribers:
         return robot in self._broadcasting and self._settings.robot in self._broadcasting
 
     def copies(self, stream: Stream) -> int:
-        """Transmissions that one sample costs: one per robot that wants it, and when relayed one more to the router.
+        """Transmissions that one sample costs: one per robot that is known to want it, and when relayed one more.
 
-        In broadcast it is one for all. Robots that have not announced yet what they want do not count: large samples
-        wait for them for a moment, and small ones were lost where fifty tokens came without a word.
+        In broadcast it is one for all.
         """
         if stream.robot in self._broadcasting:
             return 1

@@ -22,10 +22,7 @@ from utility_specs import Specs
 
 
 class SharedView:
-    """The parts of the view, each of which answers for itself, and what concerns several of them.
-
-    That is who comes and who leaves, and what robots tell each other.
-    """
+    """The parts of the view, and what concerns several of them: who comes and leaves, what robots tell each other."""
 
     def __init__(self, settings: CoreSettings, specs: Specs) -> None:
         own = tag(settings.zid)
@@ -115,10 +112,7 @@ class SharedView:
         return True
 
     def heard_state(self, now: float, state: State) -> bool:
-        """A peer's state arrived; news of its streams that waited for their keys is taken in.
-
-        False when it is unknown, or the state an update of one that we do not have.
-        """
+        """A peer's state arrived; False when it is unknown, or the state an update of one that we do not have."""
         peer = self.peers.get(tag(state.zid))
         whole = None if peer is None else peer.whole(state)
         if peer is None or whole is None:

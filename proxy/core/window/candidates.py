@@ -12,10 +12,7 @@ from proxy.core.window.tuning import TUNING
 
 @dataclass(slots=True)
 class Candidate:
-    """A stream that competes; `place` is its number in the problem, its samples go on the air in so many `copies`.
-
-    Those that gain by its messages are its `audience`.
-    """
+    """A stream that competes, number `place` of the problem; its samples go in so many `copies` to its `audience`."""
 
     stream: Stream
     place: int

@@ -1,7 +1,6 @@
 """What streams are guaranteed: samples that go whatever they are worth, as far as the limits allow.
 
-A sample is *owed* when its stream would be without one for too long if the one after it were the next to be sent. Then
-it goes without a search. Those that will be owed are taken for sent in every plan, so that there is room for them.
+A sample is *owed* when its stream would else be without one for too long. Plans take those to come for sent.
 """
 
 import math

@@ -103,8 +103,7 @@ def _stream(c: Candidate, robot: int) -> PlannerStream:
 def _facts(c: Candidate, now: float, nothing: tuple[float, ...]) -> list[Message]:
     """Return what was sent of a stream as far as it matters for what comes; its use counts as traffic.
 
-    Nothing where messages add up, or where whom the first one reached is no receiver any more. Of `best`, what was
-    received counts from now on: what it was worth before no decision can change.
+    Nothing where messages add up or reach each robot once; of `best`, what was received counts from now on.
     """
     stream = c.stream
     if c.copy:  # what its robot has of the stream it had before it vanished

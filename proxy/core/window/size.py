@@ -1,9 +1,4 @@
-"""How many messages a window may hold, so that its decision comes in time: the core learns it from what others took.
-
-Before its search can begin a window is built, handed over and tabulated, and afterwards its plan is explained. That
-takes the longer the more messages it holds and the busier the machine is. A search can stop at any moment, and takes
-the rest.
-"""
+"""How many messages a window may hold, so that its decision comes in time: by what others took besides their search."""
 
 import math
 

@@ -1,15 +1,10 @@
 """The planning window: which messages a decision looks at, and what they would use.
 
-It holds contested messages alone (`disputes.py`); the others are booked, and the limits of the problem lower by as
-much. It reaches `planned_windows` of the longest constraint window, at most `horizon_time`, and at least to one
-forecast message of every stream; a slower stream is weighed by its rate. If these are more than `horizon` messages, it
-reaches less far, but over one such window; what is too many still is thinned, of low-value streams. Where more streams
-compete than a window has messages, some have none in it: half of the places are for the streams worth most per byte on
-the air, half for those that generate next, so that what is imminent competes with what is valuable. Only streams that
-somebody wants compete, and where each robot has its part only our own, for then no other stream can gain by what we
-leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
-or the last few where the stream does not go by the most recent one. What else was sent within a constraint window is
-traffic, for what it uses. What guarantees demand of the future is a fact and traffic like that.
+It holds contested messages alone (`disputes.py`); the others are booked. It reaches `planned_windows` of the longest
+constraint window, at most `horizon_time`, and at least to one forecast message of every stream; beyond `horizon`
+messages less far, and then it is thinned. Only streams that somebody wants compete, within a part of ours only our own;
+of too many half of the places are for those worth most per byte on the air, half for those that generate next. What was
+sent and guarantees demand are facts where they matter to their streams, and traffic for what they use.
 """
 
 import math
@@ -54,8 +49,7 @@ class WindowBuilder:
     ) -> Window:
         """Return the problem of deciding `current` while others of our own samples are `waiting`.
 
-        It has about `most` other messages to decide. Half of the places are for samples that wait, those worth most,
-        the rest for forecasts.
+        Of about `most` other messages half are samples that wait, those worth most, the rest forecasts.
         """
         waiting, limits, horizon = list(waiting), self._contested(now, limits), self._view.settings.horizon
         queued = int(min(len(waiting), most // 2))
@@ -110,10 +104,7 @@ class WindowBuilder:
     def _forecast(
         self, now: float, candidates: list[Candidate], current: Waiting, limits: Limits, most: int
     ) -> tuple[list[OpenMessage], int]:
-        """Fill in when candidates are expected to generate; return what guarantees demand of that.
-
-        And how much plans would look at that had room for all.
-        """
+        """Fill in when candidates are expected to generate; return what guarantees demand, and how much would come."""
         stream = self._view.streams.known(self._view.settings.robot, current.key)
         forecast(now, self._view, candidates, limits, stream)
         coming = sum([len(c.times) for c in candidates])
