@@ -71,7 +71,7 @@ class CoordinationTuning:
     """... and where one of each robot to every other takes longer than this, a team that could not agree keeps to equal
     parts [s]; so do the others as soon as..."""
     departed_part: float = 0.25
-    """... this part of a limit is with robots that gave up (`departed.py`)."""
+    """... this part of a limit is with robots that gave up (`patience.py`)."""
     varied_margin: float = 0.06
     """Where several robots plan for all, and all large samples vary in size, so much of each limit is left: five robots
     had 0.9 % of the windows over the limit instead of 2.9 at 20 ms, 2.0 instead of 5.8 at 100 (unicast)."""

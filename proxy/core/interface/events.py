@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 from planner import Plan
+from proxy.core.interface.commands import Command
 from proxy.core.model.mode import Mode
 from proxy.core.protocol.messages import Digest, State
 from utility_specs import Specs
@@ -216,3 +218,13 @@ class DecisionLate(Event):
 @dataclass(frozen=True, slots=True)
 class TimePassed(Event):
     """Nothing happened but time; the driver sends it at the core's `wake_at` at the latest."""
+
+
+class Taker(Protocol):
+    """Takes in events, and says what is to be done: a core, or whoever stands before one and notes what it does."""
+
+    def handle(self, event: Event) -> list[Command]:
+        """Take in one event; return what is to be done, in order."""
+
+    def pass_on(self, event: Event) -> list[Command] | None:
+        """Do the same, if all that is to be done is to send a sample on or to note that it went; None: it is not."""

@@ -11,10 +11,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from proxy.core.market.pace import at_pace, pace_part
-from proxy.core.market.rows import Rows
-from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, reserve
+from proxy.core.market.standing import UNKNOWN, Amounts, Row, Rows, Standing, UnderWay, Weighed, reserve
 from proxy.core.market.tuning import TUNING
-from proxy.core.market.under_way import UnderWay
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Sent, Stream, excess

@@ -13,8 +13,7 @@ from proxy.core.samples.decision_log import Searched
 from proxy.core.samples.decisions import Decisions
 from proxy.core.samples.inbox import Inbox
 from proxy.core.samples.tuning import TUNING
-from proxy.core.window.size import WindowSize
-from proxy.core.window.window import Window, WindowBuilder
+from proxy.core.window.window import Window, WindowBuilder, WindowSize
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,7 @@
 
 import math
 
-from proxy.core.coordination.claims import Lead, news_take, opening
-from proxy.core.coordination.first_sends import first_at
+from proxy.core.coordination.claims import Lead, first_at, news_take, opening
 from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.market.pace import carried, pace_part
 from proxy.core.market.room import Room

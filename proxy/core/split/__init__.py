@@ -5,18 +5,14 @@ constraint window uses at most its part, so the union of all robots holds when p
 
 1. *Bids.* Each robot announces what it asks for: segments, each an amount and what it is worth (`protocol/bid.py`, made
    of a robot's streams in `demand.py`). A bid has a version, which grows.
-
 2. *Tables.* The bids of all robots that one knows are its table (`table.py`). All who have the same table compute the
    same parts (`allocation.py`); a robot whose bid is not known has an equal part.
-
 3. *Agreement* (`agreement.py`). Each digest holds a hash of the sender's table. A robot has *agreed* on a table once
    all others whose bids are in it have announced its hash. Meanwhile its part is the least that any table of its log
-   (`table_log.py`) gives it, from the last one agreed on to the newest that it has announced.
-
+   (`table.py`) gives it, from the last one agreed on to the newest that it has announced.
 4. *Guard time* (`own_part.py`). A part shrinks at once. It grows one constraint window later, when what others sent
-   before they shrank has left the window (`steady.py`); sooner where all announced to have sent nothing beyond the new
-   table. What was sent in room that is given up does not count against what is kept (`ledger.py`).
-
+   before they shrank has left the window; sooner where all announced to have sent nothing beyond the new
+   table. What was sent in room that is given up does not count against what is kept.
 5. *Turns* (`turns.py`). A message larger than its robot's part needs a *slot*: room for it in every window, which
    several robots use one after the other, as in a token ring. Who holds it passes it on by announcing a greater turn
    number; the next one uses it once the last message in it has left the window. Nobody trusts a clock.

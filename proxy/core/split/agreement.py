@@ -5,8 +5,7 @@ from collections.abc import Collection, Mapping
 
 from proxy.core.protocol.bid import UNIT, Bid
 from proxy.core.protocol.split_report import SplitReport
-from proxy.core.split.table import Entry, Table
-from proxy.core.split.table_log import TableLog
+from proxy.core.split.table import Entry, Table, TableLog
 from proxy.core.split.tuning import TUNING
 from proxy.core.split.turns import Turn
 

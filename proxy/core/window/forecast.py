@@ -10,8 +10,7 @@ from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.view.stream import Stream
 from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.view import SharedView
-from proxy.core.window.candidates import Candidate
-from proxy.core.window.guarantees import guaranteed
+from proxy.core.window.candidates import Candidate, guaranteed
 from proxy.core.window.tuning import TUNING
 
 
