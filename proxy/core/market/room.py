@@ -5,15 +5,95 @@ the windows were over). Who leads waits for that, too, and what is not contested
 """
 
 import math
-from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Iterator, Sequence
 from enum import Enum
 from itertools import accumulate
-from typing import Protocol
 
 from planner import Constraint
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Send
+
+
+class SendLog:
+    """Sends in the order of their times, and what those since any moment use of each limit: two look-ups, no sum."""
+
+    def __init__(self) -> None:
+        self._times: list[float] = []
+        self._uses: list[tuple[float, ...]] = []
+        self._sums: list[tuple[float, ...]] = []
+        """What each send and all before it use together, as far as they are remembered."""
+        self._first = 0
+        """Those before this place are forgotten: they are taken away when they are as many as those that are left."""
+        self.changes = 0
+        """How often a send was added or taken out; that one is forgotten changes nothing that still counts."""
+
+    def __len__(self) -> int:
+        return len(self._times) - self._first
+
+    def __iter__(self) -> Iterator[Send]:
+        """Oldest first."""
+        return iter(list(zip(self._times[self._first :], self._uses[self._first :], strict=True)))
+
+    def since(self, t: float) -> list[Send]:
+        """Return what was sent since then, oldest first."""
+        place = bisect_left(self._times, t, lo=self._first)
+        return list(zip(self._times[place:], self._uses[place:], strict=True))
+
+    def add(self, t: float, use: tuple[float, ...]) -> None:
+        """Something was sent at `t` [s]."""
+        place = bisect_right(self._times, t, lo=self._first)
+        self._times.insert(place, t)
+        self._uses.insert(place, use)
+        self._sum_up(place)
+
+    def replace(self, sends: Sequence[Send]) -> None:
+        """These were sent instead, in their order."""
+        self._times, self._uses, self._first = [t for t, _ in sends], [use for _, use in sends], 0
+        self._sum_up(0)
+
+    def remove(self, send: Send) -> bool:
+        """Forget one send; return whether it was there."""
+        place = bisect_left(self._times, send[0], lo=self._first)
+        while place < len(self._times) and self._times[place] == send[0]:
+            if self._uses[place] == send[1]:
+                del self._times[place], self._uses[place]
+                self._sum_up(place)
+                return True
+            place += 1
+        return False
+
+    def forget(self, before: float) -> None:
+        """Of what was sent before this nothing counts any more."""
+        self._first = bisect_left(self._times, before, lo=self._first)
+        if 2 * self._first > len(self._times):
+            del self._times[: self._first], self._uses[: self._first]
+            self._first = 0
+            self._sum_up(0)
+
+    def used(self, since: float, k: int) -> float:
+        """Return what was used of a limit since then."""
+        place = bisect_left(self._times, since, lo=self._first)
+        if place == len(self._times):
+            return 0.0
+        return self._sums[-1][k] - (self._sums[place - 1][k] if place else 0.0)
+
+    def exceeded_since(self, k: int, amount: float) -> float:
+        """Return when that was sent with which all later sends use more than an amount of limit `k` [s]; else −∞."""
+        sums = self._sums
+        least = sums[-1][k] - amount if sums else 0.0
+        if least <= 0.0:
+            return -math.inf
+        return self._times[bisect_left(sums, least, key=lambda used: used[k])]
+
+    def _sum_up(self, place: int) -> None:
+        """Sum up anew from this place on."""
+        self.changes += 1
+        del self._sums[place:]
+        total = self._sums[-1] if self._sums else ()
+        for use in self._uses[place:]:
+            total = tuple([a + b for a, b in zip(total, use, strict=True)]) if total else use
+            self._sums.append(total)
 
 
 class Room(Enum):
@@ -57,7 +137,7 @@ class Departures:
 class OwnDepartures:
     """The same where nobody else sent anything since then [s]: two look-ups in our own sends, and no sum."""
 
-    def __init__(self, own: "Sends", since: float) -> None:
+    def __init__(self, own: SendLog, since: float) -> None:
         self._own = own
         self._since = since
 
@@ -72,20 +152,6 @@ class OwnDepartures:
         return t + limit.window + TUNING.closed if t >= self._since else -math.inf
 
 
-class Sends(Protocol):
-    """Our own sends."""
-
-    def exceeded_since(self, k: int, amount: float) -> float:
-        """Return when that was sent with which all later sends use more than an amount of limit `k` [s]; else −∞."""
-
-    @property
-    def changes(self) -> int:
-        """How often they changed."""
-
-    def since(self, t: float) -> list[Send]:
-        """Return what was sent since then, oldest first."""
-
-
 class Openings:
     """The departures of one kind of room that were asked for last: they stay the same until somebody sends."""
 
@@ -95,7 +161,7 @@ class Openings:
         """Since when they hold what was sent [s], and they."""
 
     def after(
-        self, since: float, own: Sends, others: tuple[Send, ...], *, anybodys: bool
+        self, since: float, own: SendLog, others: tuple[Send, ...], *, anybodys: bool
     ) -> Departures | OwnDepartures:
         """Return the departures of what was sent since then, or since earlier [s]."""
         if not others:
