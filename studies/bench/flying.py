@@ -85,7 +85,7 @@ class _Team(Team):
     def _execute(self, member: Member, t: float, command: Command) -> None:
         begin = process_time()
         super()._execute(member, t, command)
-        if isinstance(command, Decide) and not command.ahead:
+        if isinstance(command, Decide):
             self.decisions.append(process_time() - begin)
 
     def _tell(self, member: Member, t: float, digest: Digest) -> None:

@@ -68,7 +68,7 @@ class TimedTeam(Team):
     def _execute(self, member: Member, t: float, command: Command) -> None:
         begin = perf_counter()
         super()._execute(member, t, command)
-        if isinstance(command, Decide) and not command.ahead:
+        if isinstance(command, Decide):
             self.decisions.append(perf_counter() - begin)
 
 

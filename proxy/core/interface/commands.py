@@ -12,8 +12,7 @@ from proxy.core.protocol.messages import Digest, State
 class Decide:
     """Search `problem` with `seed` for at most `iterations`; answer with `DecisionReady(ticket)`.
 
-    The deadline counts from `asked` [s]; when it passes the driver sends `DecisionLate(ticket)`. With `ahead` no sample
-    waits.
+    The deadline counts from `asked` [s]; when it passes the driver sends `DecisionLate(ticket)`.
     """
 
     ticket: int
@@ -21,7 +20,6 @@ class Decide:
     seed: int
     iterations: int
     asked: float
-    ahead: bool = False
 
 
 @dataclass(frozen=True, slots=True)
