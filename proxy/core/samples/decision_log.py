@@ -189,28 +189,17 @@ class DecisionLog:
         count: int = 1,
         to: str = "",
         shadowed: bool = False,
+        since: float | None = None,
+        number: int | None = None,
     ) -> None:
-        """This became of a sample of ours, or of `count` of them."""
-        self.noted += 1
-        stream = self._streams.get(key)
-        if stream is None:
-            stream = self._admit(key)
+        """This became of `count` samples of ours, from `since` on; the last is decision `number`, or the next."""
+        number = self.noted + 1 if number is None else number
+        self.noted = max(self.noted, number)
+        stream = self._streams.get(key) or self._admit(key)
         entry = stream.last(why, to, shadowed=shadowed)
         if entry is None:
-            entry = Entry(now, sample, why, to, shadowed=shadowed)
+            entry = Entry(now if since is None else since, sample, why, to, shadowed=shadowed)
             self._add(key, stream, entry)
-        entry.again(now, sample, why, count=count, number=self.noted, nth=stream.count(count))
-
-    def note_run(self, since: float, now: float, sample: Waiting, why: Why, *, count: int, number: int) -> None:
-        """This became of `count` samples of a stream from `since` on; the last one is decision `number` of all."""
-        self.noted = max(self.noted, number)
-        stream = self._streams.get(sample.key)
-        if stream is None:
-            stream = self._admit(sample.key)
-        entry = stream.last(why, "", shadowed=False)
-        if entry is None:
-            entry = Entry(since, sample, why, "", shadowed=False)
-            self._add(sample.key, stream, entry)
         entry.again(now, sample, why, count=count, number=number, nth=stream.count(count))
 
     def _admit(self, key: str) -> _Stream:
