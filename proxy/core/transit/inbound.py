@@ -75,7 +75,7 @@ class Inbound:
         self._unread: deque[_Heard] = deque(maxlen=TUNING.unread_timestamps)
         self._samples = LatencyFit()
         self._digests = LatencyFit()
-        self._losses = Loss()
+        self.losses = Loss()
         self._sent, self._came = 0, 0
         """Samples of all streams that were sent to us, and those of them that came."""
         self._last: tuple[float, int] = (0.0, 0)
@@ -94,16 +94,6 @@ class Inbound:
     def line(self) -> Latency | None:
         """What samples take to us; while that is unknown, half of what digests take there and back."""
         return self.latency or self._offset.line
-
-    @property
-    def loss(self) -> float | None:
-        """The part of the samples sent to us that does not reach us; None while unknown."""
-        return self._losses.share
-
-    @property
-    def counted(self) -> tuple[int, int]:
-        """How many samples were sent to us lately, and how many of these got lost."""
-        return self._losses.counted
 
     def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> tuple[float, float] | None:
         """A sample arrived; `stamp` is on its robot's wall clock [s].
@@ -178,16 +168,16 @@ class Inbound:
 
     def restart_losses(self) -> None:
         """Forget the counts: from now on the other robot counts other samples than we do."""
-        self._losses.restart()
+        self.losses.restart()
         for incoming in self._streams.values():
             incoming.restart()
 
     def _count(self, sent: int, came: int) -> None:
-        if not self._losses.begun:
-            self._losses.read(self._sent, self._came)
+        if not self.losses.begun:
+            self.losses.read(self._sent, self._came)
         self._sent += sent
         self._came += came
-        self._losses.read(self._sent, self._came)
+        self.losses.read(self._sent, self._came)
 
     def _under_way(self, now: float, incoming: Incoming, news: StreamDigest) -> bool:
         """Whether the last sample that a robot sent has not come, and may come yet."""

@@ -75,7 +75,7 @@ class Paths:
         return min(TUNING.most_loss, share or 0.0)
 
     def _from_us(self) -> Known:
-        return {name: (peer.outbound.line, peer.outbound.loss) for name, peer in self._members.peers.items()}
+        return {name: (peer.outbound.line, peer.outbound.losses.share) for name, peer in self._members.peers.items()}
 
     def _from(self, robot: str) -> Known:
         """Return what is known of the ways of another robot's samples."""
@@ -84,7 +84,7 @@ class Paths:
             return {}
         heard = sender.heard_by
         known: Known = {name: (heard[name], None) for name in (self._members.peers if heard else ()) if name in heard}
-        known[self._own[1]] = sender.inbound.line, sender.inbound.loss
+        known[self._own[1]] = sender.inbound.line, sender.inbound.losses.share
         return known
 
 

@@ -159,7 +159,7 @@ class Peer:
     @property
     def counted_samples(self) -> tuple[int, int]:
         """How many samples went between the peer and us lately, and how many of these got lost."""
-        (out, lost_out), (came, lost_in) = self.outbound.counted, self.inbound.counted
+        (out, lost_out), (came, lost_in) = self.outbound.losses.counted, self.inbound.losses.counted
         return out + came, lost_out + lost_in
 
     @property

@@ -63,7 +63,7 @@ def test_few_samples_of_many_robots_tell_the_mean_loss(view):
     """Each of them alone tells little."""
     for name in ("z-r2", "z-r3", "z-r4"):
         lose(view.peers[name], 10, 7)
-    assert view.peers["z-r2"].outbound.loss == pytest.approx(0.15)
+    assert view.peers["z-r2"].outbound.losses.share == pytest.approx(0.15)
     assert view.paths.mean_loss() == pytest.approx(0.3)
 
 
