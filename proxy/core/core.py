@@ -84,7 +84,6 @@ class Core:
         return {name: value for name, value in vars(self).items() if name != "_reactions"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Know all that is in a snapshot."""
         vars(self).update(state)
         self._reactions = self._all_reactions()
 
@@ -99,7 +98,7 @@ class Core:
             return passed
         if kind is not ev.SampleHeard:  # which concerns none of ours
             fast.conclude()
-        commands, now = react(event), event.now
+        commands, now = react(event) or [], event.now
         parts = self._parts
         self._wakes_at = min(self._wakes_at, parts.gossip.requests.due_at)  # a digest may name a state that we lack
         due = now >= self._wakes_at or now >= parts.channel.due_at
@@ -174,43 +173,42 @@ class Core:
         return stream_decisions(self.parts, now, key, last, after)
 
     def _look_whether_samples_pass(self, event: ev.Event) -> None:
-        """See whether the next samples can be sent as they come."""
         if type(event) not in STEADY:
             self._fast.close()
         self._fast.open(event.now, min(self._wakes_at, self._parts.channel.due_at))
         if isinstance(event, ev.SamplePublished):
             self._fast.admit(event)
 
-    def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
-        """Return who takes in which event."""
-        samples, news, gate = self._samples, self.news, self._parts.gate
-        members = Membership(self._parts, self._limits, news, self._retention)
-        changes = Changes(self._parts, self._limits, self._retention)
+    def _all_reactions(self) -> dict[type, Callable[[Any], list[Command] | None]]:
+        samples, news, parts = self._samples, self.news, self._parts
+        gate, copies = parts.gate, parts.kept.copies
+        members = Membership(parts, self._limits, news, self._retention)
+        changes = Changes(parts, self._limits, self._retention)
         return {
             ev.SamplePublished: samples.published,
             ev.SampleReread: samples.reread,
             ev.SamplesPassed: samples.passed,
-            ev.SampleHanded: samples.handed,
+            ev.SampleHanded: lambda handed: gate.outcomes.handed(handed.now, handed.sample),
             ev.SampleRefused: samples.refused,
-            ev.CopyHanded: samples.copy_handed,
-            ev.CopyRefused: samples.copy_refused,
+            ev.CopyHanded: lambda handed: copies.handed(handed.now, handed.sample, handed.to),
+            ev.CopyRefused: lambda refused: copies.turned_back(refused.now, refused.sample, refused.to),
             ev.DecisionReady: gate.ready,
             ev.DecisionLate: lambda late: gate.overdue(late.now, late.ticket),
-            ev.SampleHeard: news.sample,
+            ev.SampleHeard: parts.view.overhearing.take,
             ev.DigestHeard: lambda heard: news.hear(heard.now, heard.digest, heard.size),
             ev.StateHeard: news.state,
             ev.MalformedHeard: news.malformed,
             ev.VersionHeard: news.version,
-            ev.StateAsked: news.state_asked,
+            ev.StateAsked: lambda asked: parts.gossip.state_asked(asked.now),
             ev.PeerAppeared: members.appeared,
             ev.PeerGone: members.gone,
             ev.InterestChanged: changes.interest,
-            ev.MatchingChanged: changes.matching,
+            ev.MatchingChanged: lambda told: parts.view.streams.match(told.key, matching=told.matching),
             ev.ClockChanged: changes.clock,
             ev.LinksGauged: changes.links,
             ev.SpecsChanged: changes.specs,
             ev.ModeChanged: changes.mode,
-            ev.TimePassed: lambda _: [],
+            ev.TimePassed: lambda _: None,
         }
 
     def _advance(self, now: float, commands: list[Command], *, answered: bool) -> list[Command]:

@@ -101,7 +101,6 @@ class Aimd:
         self.settled_at = max(self.settled_at, at)
 
     def _drain(self, now: float, delay: float) -> None:
-        """Send less for as long as the queue needs to drain."""
         self.bounded, self._slow_start = True, False
         self._decreased_at, self._decreased_for = now, delay
         held_back = self._drain_factor if now < self.drained_at else 1.0

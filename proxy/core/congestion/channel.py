@@ -17,7 +17,6 @@ class Channel:
     def __init__(self, now: float, view: SharedView) -> None:
         self.capacity = Capacity(now, tag(view.settings.zid))
         self.limits: tuple[Limit, ...] = ()
-        """The limits in force."""
         self.staleness = 0.0
         """How long news of others wait on a channel that is full [s]."""
         self._view = view

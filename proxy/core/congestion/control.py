@@ -125,7 +125,6 @@ class CongestionControl:
         return "overdue" if self.queue_delay <= bearable else ""
 
     def _react_to_congestion(self, now: float, receivers: Collection[str], bearable: float) -> str:
-        """Decrease for a queue or for loss."""
         settled = max(limit.aimd.settled_at for limit in self._limits)
         new = self._standing(now, receivers, settled, bearable)
         if new is not None and new.delay > bearable:
@@ -196,7 +195,6 @@ class CongestionControl:
         return reason
 
     def _follow(self, now: float) -> str:
-        """Come to what the leader has in force."""
         elapsed, self._free_at = now - self._free_at, now
         for limit in self._limits:
             limit.aimd.increase(now, elapsed, limit.others, limit.others)

@@ -241,7 +241,6 @@ class Budget:
         return ours + others
 
     def _sent_by_others(self, now: float, since: float) -> tuple[Send, ...]:
-        """Return the uses of samples that others sent, as far as they count."""
         sent = [] if self.alone else self._view.traffic.sent_since(since)
         return uses_of(now, sent, self.limits, self.own.leave_after)
 

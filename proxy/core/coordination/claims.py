@@ -38,7 +38,6 @@ from utility_specs.lifetimes import initial
 Claim = tuple[float, str]
 """What a byte of a stream gains by how long nothing of it was sent; of equal ones the robot's name tells."""
 NOBODY: Claim = -math.inf, ""
-"""The least claim."""
 
 CLAIMING = Standing.CONTESTED, Standing.PRICED
 
@@ -56,7 +55,6 @@ class Lead:
         self._known: tuple[float, int, tuple[Limit, ...]] = -math.inf, -1, ()
         """When it was looked at [s], after how many changes of how streams stand, and under which limits."""
         self._best: Claim = NOBODY
-        """The best claim of others then."""
 
     def has(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> bool:
         """Whether a periodic stream of ours has the best claim: the others leave it the room that opens next."""
@@ -208,7 +206,6 @@ def claim(now: float, stream: Stream) -> Claim:
 
 
 def _theirs(now: float, stream: Stream, ours: Stream) -> Claim:
-    """Return the claim of a stream of another robot, as it is compared with that of ours."""
     return claim(now + TUNING.claim_tolerance if stream.robot > ours.robot else now, stream)
 
 

@@ -47,19 +47,15 @@ class Coordination:
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
         self.equal = EqualParts(now)
-        """What we have where nobody agrees on parts."""
         self.hollow = Hollow()
-        """What others claim and nobody confirms."""
         self.keeps = 0.0
         """The part that we keep to, where claims of others are hollow: nothing that they send counts against it."""
         self.certain = 0.0
         """The part that we have for small samples whatever others say; none where nobody else sends."""
         self.told: SplitReport | None = None
-        """What our last digest said of parts."""
         self.formation = Formation(now, strict=self.team.strict)
         self._departed = Departed()
         self.meanwhile = Meanwhile()
-        """What we do until parts are established."""
 
     @property
     def _all_equal(self) -> bool:
@@ -269,7 +265,6 @@ class Coordination:
 
 
 def _introduce(now: float, split: Split | None, team: Team) -> None:
-    """Let the split know who takes part."""
     if split is not None:
         split.set_members(now, team.members)
         split.set_quiet(now, quiet=team.large)

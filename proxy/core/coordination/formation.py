@@ -62,7 +62,6 @@ class Meanwhile:
 
     def __init__(self) -> None:
         self.plans = False
-        """Whether all plan for all."""
         self.confined = 1.0
         """The part of every limit that we use at most then."""
 

@@ -181,7 +181,6 @@ class Team:
         return sum(counts) / len(counts)
 
     def _others(self) -> Iterator[Peer]:
-        """Yield the others that take part."""
         return (peer for name, peer in self._view.peers.items() if name in self.members)
 
     def _look_at_rhythms(self, now: float, limits: tuple[Limit, ...], waiting: float) -> None:

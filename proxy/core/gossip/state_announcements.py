@@ -110,7 +110,6 @@ class StateAnnouncements:
         return max(self._announced_at + TUNING.states_apart, now if ahead else now + owed)
 
     def _announce(self, now: float, mode: Mode) -> list[Command]:
-        """Announce what is new of our state, or all of it, or nothing."""
         self._review_at, self._reviewed_at = math.inf, now
         self._large_is_new = self._subscriptions_are_new = False
         state, left_out = shortened(state_of(self._view, mode))

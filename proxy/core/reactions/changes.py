@@ -68,16 +68,10 @@ class Changes:
         self._limits = limits
         self._retention = retention
 
-    def interest(self, event: ev.InterestChanged) -> list[Command]:
+    def interest(self, event: ev.InterestChanged) -> None:
         """The apps of this robot subscribe to other keys."""
         self._view.subscribers.set_own(event.keys)
         self._states.subscribed(event.now)
-        return []
-
-    def matching(self, event: ev.MatchingChanged) -> list[Command]:
-        """Somebody on the mesh wants one of our keys, or nobody does any more."""
-        self._view.streams.match(event.key, matching=event.matching)
-        return []
 
     def clock(self, event: ev.ClockChanged) -> list[Command]:
         """Our wall clock was set, or is known to be right, or is not any more."""
@@ -85,11 +79,10 @@ class Changes:
         self._view.clocks.set(event.wall_offset, event.error)
         return self._view.clocks.compare(event.now, self._view.peers.values())
 
-    def links(self, event: ev.LinksGauged) -> list[Command]:
+    def links(self, event: ev.LinksGauged) -> None:
         """Our own sockets say how long what we send waits."""
         for zid, wait in event.waits:
             self._capacity.evidence.link_gauged(event.now, tag(zid), wait)
-        return []
 
     def specs(self, event: ev.SpecsChanged) -> list[Command]:
         """Another generation of specs is in force."""

@@ -229,7 +229,6 @@ class FastPath:
             self._parts.gate.appraisal.passed(self._last_at, entered.values())
 
     def _enter(self, noted: list[_Noted]) -> None:
-        """Enter samples that passed, the oldest first."""
         parts, runs = self._parts, dict[str, list[int]]()
         for place, (lane, event, _) in enumerate(noted):
             lane.enter(event)

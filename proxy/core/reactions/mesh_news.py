@@ -29,11 +29,6 @@ class MeshNews:
         self._retention = retention
         self.refused: Counter[str] = Counter()
 
-    def sample(self, event: ev.SampleHeard) -> list[Command]:
-        """A sample of another robot arrived."""
-        self._view.overhearing.take(event)
-        return []
-
     def hear(self, now: float, digest: Digest, size: int) -> list[Command]:
         """Take in a digest of so many bytes, if it is one that its robot can have sent."""
         peer = self._view.peers.get(digest.tag)
@@ -89,18 +84,11 @@ class MeshNews:
         commands += [Notice("error", warning) for warning in after if warning not in warned]
         return [*commands, *self._view.clocks.compare(event.now, self._view.peers.values())]
 
-    def malformed(self, event: ev.MalformedHeard) -> list[Command]:
+    def malformed(self, event: ev.MalformedHeard) -> None:
         """Something on a key of ours was no digest and no state."""
         self.refused[event.kind] += event.count
-        return []
 
-    def version(self, event: ev.VersionHeard) -> list[Command]:
+    def version(self, event: ev.VersionHeard) -> None:
         """A robot speaks this version of the protocol."""
         if (peer := self._view.peers.get(event.tag)) is not None:
             peer.speak(event.version)
-        return []
-
-    def state_asked(self, event: ev.StateAsked) -> list[Command]:
-        """Another robot asked for our state, and got it."""
-        self._gossip.state_asked(event.now)
-        return []

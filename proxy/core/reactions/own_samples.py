@@ -87,27 +87,12 @@ class OwnSamples:
             self._uncovered(event.now, event.count, event.size)
         return [*self.unplanned.look(event.now)]
 
-    def handed(self, event: ev.SampleHanded) -> list[Command]:
-        """The mesh session took a sample."""
-        self._gate.outcomes.handed(event.now, event.sample)
-        return []
-
     def refused(self, event: ev.SampleRefused) -> list[Command]:
         """The mesh session did not take a sample."""
         self._gate.undecided.settled(event.sample)
         key = self._gate.outcomes.refused(event.now, event.sample, event.reason)
         self._kept.refused(key, event.sample)
         return [*self._gate.undecided.pass_deletions(), *self.unplanned.look(event.now)]
-
-    def copy_handed(self, event: ev.CopyHanded) -> list[Command]:
-        """The mesh session took a copy."""
-        self._kept.copies.handed(event.now, event.sample, event.to)
-        return []
-
-    def copy_refused(self, event: ev.CopyRefused) -> list[Command]:
-        """The mesh session did not take a copy."""
-        self._kept.copies.turned_back(event.now, event.sample, event.to)
-        return []
 
     def _valued(self, stream: Stream, waiting: Waiting, extracted: Mapping[str, float], count: int) -> Waiting:
         """Return a sample, number `count` of its stream, with its worth by the specs; deletions have defaults."""

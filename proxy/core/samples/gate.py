@@ -155,7 +155,6 @@ class Gate:
         return commands
 
     def _take_up_all(self, now: float) -> list[Command]:
-        """Take up samples, and copies, as far as they can be."""
         commands, crowded = list[Command](), False
         for _ in range(TUNING.taken_up_at_once):
             if self.search.busy():

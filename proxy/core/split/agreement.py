@@ -208,5 +208,4 @@ class Agreement:
         return Table(self.own, entries, members=members, floor=self._floor, kind=self._kind, counts=counts)
 
     def _form(self, now: float) -> None:
-        """Form our newest table."""
         self.log.append(now, self._table({tag: self._bids.get(tag) for tag in self.members}))

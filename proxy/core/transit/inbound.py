@@ -64,7 +64,6 @@ class Inbound:
     def __init__(self, offset: ClockOffset) -> None:
         self._offset = offset
         self.samples = 0
-        """Samples heard."""
         self.implausible = 0
         """Those whose timestamp could not be right."""
         self.evicted = 0

@@ -35,7 +35,6 @@ def _joined(ways: list[Way]) -> Way:
 
 
 def _with_nearest_joined(groups: list[Way]) -> list[Way]:
-    """Join the two neighbours that are closest."""
     gaps = [after.latency - before.latency for before, after in pairwise(groups)]
     at = gaps.index(min(gaps))
     return [*groups[:at], _joined(groups[at : at + 2]), *groups[at + 2 :]]
@@ -135,7 +134,6 @@ class Audiences:
         return found
 
     def _loss(self, now: float) -> float:
-        """The mean loss, looked at anew when time passed."""
         if now != self._lost_at:
             self._lost, self._lost_at = self._paths.mean_loss(), now
         return self._lost

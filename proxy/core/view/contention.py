@@ -25,7 +25,6 @@ class _Row:
         self.cheapness = self.last = self.patience = self.due = 0.0
 
     def look(self, subscribers: Subscribers) -> None:
-        """Work it out anew."""
         stream, last = self.stream, self.stream.last
         self.seen = stream.changes
         gaining = 0 if last is None else len(subscribers.gaining(stream))
@@ -108,13 +107,11 @@ class Contention:
         return changed
 
     def _set_rows(self, streams: Iterable[Stream]) -> None:
-        """Have a row for each stream."""
         self._rows = sorted(map(_Row, streams), key=lambda row: _place(row.stream))
         self._places = [_place(row.stream) for row in self._rows]
         self._count = Counter(robot for robot, _ in self._places)
 
     def _turn(self, turn: Turn) -> None:
-        """A stream came, or went."""
         at, robot = bisect_left(self._places, turn.place), turn.place[0]
         if turn.there:
             self._places.insert(at, turn.place)

@@ -15,7 +15,6 @@ class Members:
         self._own = settings.robot, tag(settings.zid)
         self._peers: dict[str, Peer] = {}
         self.peers: Mapping[str, Peer] = self._peers
-        """The other robots, by tag."""
         self.tags: dict[str, str] = {}
         """The tags of all robots by their names, our own included."""
         self.evicted = 0

@@ -17,7 +17,6 @@ class Newcomers:
         self._streams = streams
         self._subscribers = subscribers
         self._met_at = -math.inf
-        """When a robot was met last [s]."""
         self._doubted_at = -math.inf
         """When somebody last turned out to say nothing [s]."""
 

@@ -78,7 +78,6 @@ class Paths:
         return {name: (peer.outbound.line, peer.outbound.losses.share) for name, peer in self._members.peers.items()}
 
     def _from(self, robot: str) -> Known:
-        """Return what is known of the ways of another robot's samples."""
         sender = self._members.called(robot)
         if sender is None:
             return {}

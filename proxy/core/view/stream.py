@@ -65,7 +65,6 @@ class Sizes:
 
 
 NONE: Mapping[str, float] = MappingProxyType({})
-"""No features."""
 
 
 class Generated(NamedTuple):
@@ -294,7 +293,6 @@ class Stream:
 
 
 def _forecasts(kind: InformationType) -> tuple[FeatureForecast, list[str]]:
-    """Return what is forecast of the samples of a type, and how."""
     return kind.forecast, [name for name, _ in kind.features]
 
 

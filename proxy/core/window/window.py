@@ -63,7 +63,6 @@ class WindowBuilder:
         self._view = view
         self._started = started
         self.disputes = Disputes(view)
-        """What is to decide, and what is load."""
 
     def build(
         self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits, most: float = math.inf
