@@ -9,8 +9,7 @@ import numpy as np
 
 from planner import Problem, SearchSettings
 from proxy.core.interface.commands import Command, Decide
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import CoreSettings, broadcast
 from proxy.core.protocol.messages import Digest
 from studies.alone.flight import fly_alone
 from studies.bench.channel import Channel

@@ -9,8 +9,7 @@ from proxy.core.core import Core
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import AskState, Command, Decide, Drop, Forward, SendDigest, SendState
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, State
 from proxy.core.protocol.state_codec import pack_state

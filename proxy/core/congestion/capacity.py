@@ -9,8 +9,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from proxy.core.congestion.aimd import AdaptiveLimit
-from proxy.core.congestion.capacity_reports import CapacityReports
+from proxy.core.congestion.aimd import AdaptiveLimit, CapacityReports
 from proxy.core.congestion.control import CongestionControl, Traffic
 from proxy.core.congestion.evidence import Evidence
 from proxy.core.congestion.tuning import TUNING

@@ -4,8 +4,7 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-from proxy.core.congestion.aimd import AdaptiveLimit
-from proxy.core.congestion.capacity_reports import CapacityReports
+from proxy.core.congestion.aimd import AdaptiveLimit, CapacityReports
 from proxy.core.congestion.evidence import Evidence
 from proxy.core.congestion.queue_delay import StandingQueue
 from proxy.core.congestion.tuning import TUNING

@@ -8,8 +8,8 @@ import math
 from dataclasses import replace
 
 from proxy.core.coordination.claims import news_take
-from proxy.core.coordination.clock_turns import NOT_NEEDED
 from proxy.core.coordination.coordination import Coordination
+from proxy.core.coordination.equal_parts import NOT_NEEDED
 from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import Openings, Room

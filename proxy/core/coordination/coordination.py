@@ -7,18 +7,16 @@ less than about a quarter of the window, and while digests fit into their allowa
 configures it, or a team changes over where news take too long, announcements cost too much, or in unicast large samples
 of all come seldom (`team.py`). Where no agreement comes about all plan for all and try again later (`patience.py`).
 
-A large team would take a minute to agree: there each robot has an equal part, which it may overbook (`equal_parts.py`),
-and larger messages go by turns of the clock (`clock_turns.py`); so it is in smaller teams of small messages where
-announcements cost too much. Fifty robots with streams of 0.1 to 4 kB reach 96 % of a central decider so, and 41
-agreeing.
+A large team would take a minute to agree: there each robot has an equal part, which it may overbook, and larger
+messages go by turns of the clock (`equal_parts.py`); so it is in smaller teams of small messages where announcements
+cost too much. Fifty robots with streams of 0.1 to 4 kB reach 96 % of a central decider so, and 41 agreeing.
 """
 
 import math
 from collections.abc import Callable, Collection, Sequence
 
-from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW, Turn
 from proxy.core.coordination.demands import bid
-from proxy.core.coordination.equal_parts import EqualParts
+from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts, Turn
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.patience import Departed

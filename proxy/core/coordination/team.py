@@ -8,7 +8,7 @@ from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, allowance_of, changes_plans, exceeds, shortest_window, use_of
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import is_broadcast
 from proxy.core.protocol.messages import Digest
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import sqrt
 
-from proxy.core.forecast.bursts import Bursts, bursts_in, reported_bursts
-from proxy.core.forecast.patterns import Memoryless, Pattern, Periodic
+from proxy.core.forecast.patterns import Bursts, Memoryless, Pattern, Periodic, bursts_in, reported_bursts
 from proxy.core.forecast.rhythm import Numbered, Rhythm
 from proxy.core.forecast.tuning import TUNING
 from proxy.core.forecast.written import written

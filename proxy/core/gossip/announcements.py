@@ -6,7 +6,7 @@ from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.limits import changes_plans, longest_window, shortest_window, use_of
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import is_broadcast
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 

@@ -2,8 +2,7 @@
 
 from proxy.core.market.standing import Amounts, Row, count_new, row_of
 from proxy.core.model.limits import Limit
-from proxy.core.view.audience import Audience, audience_of
-from proxy.core.view.paths import Fan
+from proxy.core.view.audience import Audience, Fan, audience_of
 from proxy.core.view.stream import Sent, Stream
 from proxy.core.view.view import SharedView
 

@@ -5,7 +5,20 @@ from dataclasses import dataclass
 from typing import Literal
 
 from proxy.core.model.mode import Mode
-from proxy.core.model.transport import UNICAST
+
+UNICAST = "unicast"
+"""A sample is sent once to each robot that wants it; else `broadcast` and the group: others do not hear each other."""
+_BROADCAST = "broadcast"
+
+
+def broadcast(group: str) -> str:
+    """Name the transport that sends a sample once, to all on a multicast group."""
+    return f"{_BROADCAST} {group}"
+
+
+def is_broadcast(transport: str) -> bool:
+    """Whether one transmission reaches all."""
+    return transport.startswith(_BROADCAST)
 
 
 @dataclass(frozen=True, slots=True)

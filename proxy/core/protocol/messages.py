@@ -5,7 +5,7 @@ Times are on the sender's monotonic clock [s], sizes bytes, counters cumulative,
 
 from dataclasses import dataclass
 
-from proxy.core.model.transport import UNICAST
+from proxy.core.model.settings import UNICAST
 from proxy.core.protocol.split_report import SplitReport
 
 

@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 
 from planner import Aggregation
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.protocol.messages import tag
 from proxy.core.view.interest import Interest
 from proxy.core.view.members import Members

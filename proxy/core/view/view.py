@@ -1,17 +1,15 @@
 """The shared view: what this robot knows of streams, robots, and what the channel carries."""
 
 from proxy.core.model.lifetimes import Lifetimes
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.protocol.messages import Digest, State, tag
-from proxy.core.view.audience import Audiences
+from proxy.core.view.audience import Audiences, Paths
 from proxy.core.view.contention import Contention
 from proxy.core.view.echoes import Echoes
 from proxy.core.view.members import Members
 from proxy.core.view.newcomers import Newcomers
 from proxy.core.view.news import News
 from proxy.core.view.overhearing import Origins, Overhearing
-from proxy.core.view.paths import Paths
 from proxy.core.view.peer import Staleness
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers

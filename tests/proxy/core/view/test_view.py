@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import CoreSettings, broadcast
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest
 from proxy.core.view.tuning import TUNING
 from proxy.core.view.view import SharedView
