@@ -73,7 +73,9 @@ class ClockTurns:
         if part * self._robots <= TUNING.turn_parts or not self._slots[k]:
             return NOT_NEEDED
         window, wall = self._windows[k], now + self._ahead
-        cycle = _rounded(self._robots) * window * (1.0 + TUNING.turn_time + TUNING.turn_guard) / self._slots[k]
+        # Of few numbers, or who misses some robots would have other turns each time.
+        robots = float(TUNING.turn_step ** math.ceil(math.log(self._robots, TUNING.turn_step)))
+        cycle = robots * window * (1.0 + TUNING.turn_time + TUNING.turn_guard) / self._slots[k]
         began = (math.floor(wall / cycle - self._place) + self._place) * cycle
         is_now = wall < began + TUNING.turn_time * window and now >= self._paid[k] + part * self._robots * window
         return Turn(began - self._ahead if is_now else math.inf, began + cycle - self._ahead, 1.0 / self._slots[k])
@@ -88,11 +90,6 @@ class ClockTurns:
 def _part(limit: Limit, size: int, copies: int) -> float:
     """Return what part of a limit a little more than a message of this size takes."""
     return use_of(round(TUNING.turn_size * size), copies, (limit,))[0] / limit.limit
-
-
-def _rounded(number: float) -> float:
-    """Return this number or one just beyond, of few."""
-    return float(TUNING.turn_step ** math.ceil(math.log(number, TUNING.turn_step)))
 
 
 class Overbooking:

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from proxy.core.market.pace import at_pace, pace_part
+from proxy.core.market.room import at_pace, pace_part
 from proxy.core.market.standing import UNKNOWN, Amounts, Row, Rows, Standing, UnderWay, Weighed, reserve
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
@@ -193,11 +193,10 @@ class Disputes:
         self.late = TUNING.late_period * min(periods, default=0.0) if few else 0.0
         own = [] if self._alone else [row for row in contested if self._own(row.stream)]
         largest = max(own, key=lambda row: at_pace(row.use, limits), default=None)
-        self.stretched = 0.0 if largest is None else TUNING.paced_ahead * self._occupies(largest)
-
-    def _occupies(self, row: Row) -> float:
-        """Return how long a sample of a stream of ours keeps the channel busy [s]."""
-        return pace_part(self._view, row.stream, self._limits) * at_pace(row.use, self._limits)
+        self.stretched = 0.0
+        if largest is not None:
+            occupies = pace_part(self._view, largest.stream, limits) * at_pace(largest.use, limits)
+            self.stretched = TUNING.paced_ahead * occupies
 
     def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float]) -> Amounts:
         """What robots that were met lately use of each limit, besides what is known of them, if they are like us.

@@ -6,7 +6,7 @@ from proxy.core.interface.commands import Command, Drop, Forward, Retain
 from proxy.core.model.mode import Mode
 from proxy.core.parts import Parts
 from proxy.core.samples.gate import CONSTRAINT
-from proxy.core.view.interest import common
+from proxy.core.view.subscribers import common
 
 
 class Retention:

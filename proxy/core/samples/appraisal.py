@@ -16,7 +16,7 @@ from proxy.core.model.mode import Mode, in_force
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
-from proxy.core.window.candidates import guaranteed, owed
+from proxy.core.window.forecast import guaranteed, owed
 
 Use = tuple[float, ...]
 """What a message uses of each constraint."""

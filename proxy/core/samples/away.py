@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.tuning import TUNING
-from proxy.core.view.interest import intersects
+from proxy.core.view.subscribers import intersects
 
 
 @dataclass(slots=True, eq=False)

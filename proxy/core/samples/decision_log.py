@@ -15,7 +15,7 @@ from planner.utility import integral
 from proxy.core.market.standing import Weighed
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.tuning import TUNING
-from proxy.core.window.candidates import Candidate
+from proxy.core.window.forecast import Candidate
 from utility_specs.lifetimes import initial
 
 

@@ -5,6 +5,7 @@ So only leaders are looked at when room opens; with all 256 a daemon with 100 st
 
 import math
 from collections.abc import Hashable
+from operator import ge
 from typing import NamedTuple
 
 from proxy.core.model.waiting import Waiting
@@ -77,8 +78,10 @@ class Followers:
         if (number := self._followed_by_its_key(entry)) is not None:
             return number
         for number, leader in self._leaders.items():
-            if leader.place < entry.place and (leader.key == entry.key or _finds_no_more(entry, leader)):
-                return number
+            if leader.place < entry.place:
+                alike = entry.kind == leader.kind
+                if leader.key == entry.key or (alike and all(map(ge, entry.use, leader.use))):
+                    return number
         return None
 
     def _followed_by_its_key(self, entry: _Entry) -> int | None:
@@ -100,8 +103,3 @@ class Followers:
         self._following.get(same.pop(at, -1), {}).pop(at, None)
         if not same:
             self._keys.pop(key, None)
-
-
-def _finds_no_more(entry: _Entry, leader: _Entry) -> bool:
-    """Whether there is no room for a sample before there is for another one."""
-    return entry.kind == leader.kind and all(a >= b for a, b in zip(entry.use, leader.use, strict=True))

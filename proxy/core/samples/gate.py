@@ -65,7 +65,7 @@ class Gate:
 
     def undecided_of(self, key: str) -> list[tuple[Waiting, float | None]]:
         """Return the samples of a key that are undecided, each with when there may be room for it [s], if it waits."""
-        return [(each, self._waits.opens_at(each)) for each in self.undecided if each.key == key]
+        return [(each, self._inbox.rests_until(each.sample)) for each in self.undecided if each.key == key]
 
     def put(self, now: float, waiting: Waiting) -> list[Command]:
         """Send a sample at once if it surely fits, else queue it; too many go at once if they fit, else one leaves."""

@@ -14,7 +14,7 @@ from proxy.core.model.waiting import Waiting
 from proxy.core.samples.away import Copy, Leaving
 from proxy.core.samples.copies import Copies
 from proxy.core.samples.tuning import TUNING
-from proxy.core.view.interest import intersects
+from proxy.core.view.subscribers import intersects
 
 EXPIRED, UNWANTED = "dropped:expired", "dropped:unwanted"
 

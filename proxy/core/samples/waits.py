@@ -4,8 +4,7 @@ import math
 
 from proxy.core.coordination.claims import Lead, first_at, news_take, opening
 from proxy.core.coordination.tuning import TUNING as COORDINATION
-from proxy.core.market.pace import carried, pace_part
-from proxy.core.market.room import Room
+from proxy.core.market.room import Room, carried, pace_part
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans, longest_window
 from proxy.core.model.mode import Mode
@@ -49,10 +48,6 @@ class Waits:
     def for_room(self) -> bool:
         """Whether a sample waits for room."""
         return bool(self._followers)
-
-    def opens_at(self, sample: Waiting) -> float | None:
-        """Return when a sample that was looked at can be taken up at the earliest [s]; None where it does not wait."""
-        return self._inbox.rests_until(sample.sample)
 
     def postpone(self, now: float, sample: Waiting) -> bool:
         """Let a sample wait if there is a reason to; return whether it waits."""

@@ -60,7 +60,9 @@ class Paths:
 
     def of(self, robot: str) -> Fan:
         """Return the ways of a robot's samples."""
-        return Fan(self._from_us() if robot == self._own[0] else self._from(robot))
+        if robot != self._own[0]:
+            return Fan(self._from(robot))
+        return Fan({name: (p.outbound.line, p.outbound.losses.share) for name, p in self._members.peers.items()})
 
     def on_air(self, gaining: tuple[str, ...], size: float) -> float | None:
         """Return what samples of `size` [B] take beyond digests to those that gain by ours, as these tell [s].
@@ -79,9 +81,6 @@ class Paths:
         counted = [peer.counted_samples for peer in self._members.peers.values()]
         share = share_of(sum(sent for sent, _ in counted), sum(lost for _, lost in counted))
         return min(TUNING.most_loss, share or 0.0)
-
-    def _from_us(self) -> Known:
-        return {name: (peer.outbound.line, peer.outbound.losses.share) for name, peer in self._members.peers.items()}
 
     def _from(self, robot: str) -> Known:
         sender = self._members.called(robot)

@@ -156,11 +156,6 @@ class Stream:
             self._steady = self._outlook.steady
             self._expected.clear()
 
-    @property
-    def likely_size(self) -> int:
-        """The size that a sample to come is planned with [B]: a bit less than the mean, for smaller ones are sent."""
-        return self.sizes.likely(self.newest.size)
-
     def touch(self, now: float, number: int = 0) -> None:
         """Something was heard of the stream; its robot may have told its number."""
         self.touched = now

@@ -12,7 +12,7 @@ from planner import Stream as PlannerStream
 from proxy.core.model.limits import Limits, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Sent
-from proxy.core.window.candidates import Candidate
+from proxy.core.window.forecast import Candidate
 from proxy.core.window.tuning import TUNING
 
 

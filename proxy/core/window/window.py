@@ -20,8 +20,7 @@ from proxy.core.model.limits import Limits
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream, at_stake
 from proxy.core.view.view import SharedView
-from proxy.core.window.candidates import Candidate, guaranteed, thin
-from proxy.core.window.forecast import forecast, reach
+from proxy.core.window.forecast import Candidate, forecast, guaranteed, reach, thin
 from proxy.core.window.problem import Contents, OpenMessage, expected, problem, published
 from proxy.core.window.tuning import TUNING
 
@@ -110,7 +109,8 @@ class WindowBuilder:
     def _candidate(self, now: float, place: int, stream: Stream) -> Candidate:
         view, own = self._view, stream.robot == self._view.settings.robot
         markovian, audience = stream.information_type.markovian, view.audiences.of(now, stream)
-        return Candidate(stream, place, view.subscribers.copies(stream), audience, own, markovian, stream.likely_size)
+        size = stream.sizes.likely(stream.newest.size)
+        return Candidate(stream, place, view.subscribers.copies(stream), audience, own, markovian, size)
 
     def _copied(self, now: float, place: int, current: Waiting) -> Candidate:
         """Return the stream of a copy, as it is for the one robot that the copy is for."""
