@@ -15,8 +15,7 @@ class CongestionTuning:
     calm_after: float = 3.0
     """So long after a decrease it is calm."""
     slow_start: float = 0.5
-    """It grows by this part of itself in a second at most: until the first decrease, after silence, up to what others
-    report."""
+    """It grows by this part of itself in a second at most: until the first decrease, or up to what others report."""
     untested: float = 1.3
     """It grows to this many times the limit in force at most: what is above that is not tested."""
     used: float = 0.85

@@ -14,8 +14,7 @@ class Formation:
 
     def __init__(self, now: float, *, strict: bool) -> None:
         self.established = strict
-        """Whether parts that take in what all ask for were in force for a window; until then all have equal ones, or
-        what tables give them."""
+        """Whether parts that take in what all ask for were in force for a window; until then all have equal ones."""
         self._split = strict
         """Whether parts were in force when it was looked last."""
         self._until = now + TUNING.forming_time

@@ -11,8 +11,7 @@ class ForecastTuning:
     short_memory: int = 16
     """So many generation times tell a rhythm..."""
     memory: int = 48
-    """... and so many a tight one, whose period is known five times as well then (eight robots: 1.1 % of windows over,
-    not 1.7)."""
+    """... and so many a tight one, whose period is known five times as well then (1.1 % of windows over, not 1.7)."""
     better_line: float = 1.93
     """What 48 samples tell holds unless the squares of the last 16 are smaller by this factor on their own line: 1 + 2
     F / 14 with the 99 % quantile of F(2, 14), so by chance it does not once in a hundred."""
@@ -23,8 +22,7 @@ class ForecastTuning:
     far: float = 4.0
     """So many median deviations from the line is too far for the line to be fitted to it."""
     wandering: float = 0.75
-    """Jitter's variance over that of its steps: 1/2 where deviations are independent, 1 with 16 samples where they add
-    up,"""
+    """Jitter's variance over that of its steps: 1/2 where deviations are independent, 1 (of 16) where they add up,"""
     walk: float = 96.0
     """and grows as these do, so that the bound does: by one in so many."""
     few: int = 6
@@ -38,8 +36,7 @@ class ForecastTuning:
     unlike: int = 5
     """So many suspects without anything in common are no outliers."""
     seldom: int = 6
-    """A long line is fitted, and the spread of gaps is found, every so many samples: each takes ten times as long as
-    the rest."""
+    """A long line is fitted, and the spread of gaps is found, every so many samples: it takes ten times all else."""
     any_time: float = 0.3
     """With jitter of more than this part of the period a sample may come at any time."""
     tight: float = 0.12

@@ -23,8 +23,7 @@ class GossipTuning:
 
     # Shares of the allowance.
     digests: float = 0.95
-    """For digests, the rest for states: with all of it robots told 103 to 105 % of what they may, and tell 97 to 99
-    now. Where limits follow the channel digests have all."""
+    """For digests, or all where limits follow the channel: with all of it robots told 103 to 105 % of what they may."""
     ordinary: float = 0.2
     """For all but announcements, beside what these do not need."""
     ordinary_on_channel: float = 0.7
@@ -47,10 +46,9 @@ class GossipTuning:
     announcement_debt: float = 5.0
     """Ahead of time on announcements [s]."""
     overheard_debt: float = 1.0
-    """The same where samples are overheard [s]: eight robots told 117 % of what they may in 12 s, and tell 100;
-    and..."""
+    """The same where samples are overheard [s] (eight robots told 117 % of what they may in 12 s, and tell 100)..."""
     overheard_loss: float = 0.05
-    """... less than this part of them is lost: at 30 % 15 to 34 % of the windows were over the limit, not 3 to 6."""
+    """... and less than this part of them is lost: at 30 % 15 to 34 % of the windows were over, not 3 to 6."""
     retransmission_debt: float = 2.5
     """Ahead of time on announcing again [s]: at 30 % lost ten robots had 16 % of the windows over the limit with 1 s,
     10 with this, 6 with 5, but five with samples of random sizes told 117 % of what they may then instead of 108."""
@@ -67,15 +65,13 @@ class GossipTuning:
     deepest_debt: float = 10.0
     """Owed at most [s]: who tells more than its part silences nobody for long."""
     deepest_state_debt: float = 50.0
-    """Owed at most for states, questions and answers [s], which honest teams keep below 40: else 50 questions a second
-    for a minute silenced a robot for 16 minutes."""
+    """Owed at most for states, questions and answers [s]: else floods of questions silenced a robot for 16 minutes."""
 
     # When digests go, and what is in them.
     slowest_digest: float = 1.0
     """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
     nothing_sent: float = 3.0
-    """The same in unicast where nobody sends anything, and the ways are known [s]: half of what an idle robot of eleven
-    did."""
+    """The same in unicast where nobody sends, and ways are known [s]: half of what an idle robot of eleven did."""
     relaxed: float = 0.25
     """Where there is room for all, or nobody else sends, ordinary news are so far apart at least [s]: a digest for each
     of 200 small samples per second took half of the sender's time. Not where limits follow the channel."""
@@ -126,8 +122,7 @@ class GossipTuning:
     period_change: float = 0.1
     """Periods are estimates: only one that moved by this part of the longer one is news."""
     random_period_change: float = 0.5
-    """The same where samples come at random, as 32 of them vary by a sixth: five such robots told 122 % of what they
-    may with a tenth."""
+    """The same where samples come at random, as 32 of them vary by a sixth (with a tenth robots told 122 %)."""
     size_change: float = 0.5
     """Sizes are news from this change on, as every digest has them."""
     wall_clock_step: float = 1e-3

@@ -15,8 +15,7 @@ class MarketTuning:
     """Who only looks is told the prices by which was decided last, if they are no older [s]: anew took 2.5 of 4 ms."""
 
     small: float = 0.05
-    """A message is small that takes no more than this part of every limit: with equal messages, five to a window,
-    booked as load teams reached 92.5 % of the bound instead of 99.4."""
+    """A message is small that takes no more than this part of every limit: fifths, booked, reached 92.5 %, not 99.4."""
     smallest: float = 0.02
     """Where a plan can hold all messages that take more than this, only what takes no more is small: ten robots, twenty
     messages to a window, reach 97.9 % of the bound so instead of 95.4. With too many the price does better (97 %
@@ -24,16 +23,14 @@ class MarketTuning:
     new_price: float = 4.0
     """The samples of a new stream are undisputed only if they earn so many times their price: nobody knows its rate."""
     offered: float = 0.95
-    """What varies needs the rest of a limit: 250 small streams reached 99.4 % of the bound so, and 99.3 without a
-    rest."""
+    """What varies needs the rest of a limit: 250 small streams reached 99.4 % of the bound so, without it 99.3."""
     offered_deviations: float = 2.0
     """And for so many standard deviations of what is sent in a window: else the last of many small samples took the
     room of contested ones worth much (twelve robots: 67 % of the bound, and 91 now; with one deviation 84)..."""
     least_offered: float = 0.5
     """... but this part of a limit is offered whatever varies."""
     varying_size: float = 0.2
-    """Of messages larger than this part of a limit the tree says which go together: else four robots sent 63 % of small
-    ones."""
+    """Of messages larger than this part of a limit the tree says which go: else four robots sent 63 % of small ones."""
     hopeless: float = 0.3
     """A stream is hopeless when its first sample earns no more than this part of the price."""
     reserve_deviations: float = 2.0
@@ -46,8 +43,7 @@ class MarketTuning:
     rhythm_samples: int = 3
     """Of a stream that generated fewer samples nobody knows how far apart they are."""
     new_samples: float = 2.5
-    """A new stream goes on as with half a sample less; if it is the only new one so many more, as nobody knows
-    better."""
+    """A new stream goes on as with half a sample less; if it is the only new one so many more."""
     rate_samples: int = 8
     """Of a stream that generated fewer samples nobody can say how often it does."""
     longest: float = 300.0
@@ -61,24 +57,21 @@ class MarketTuning:
     """... of which those are sent that are so many deviations smaller than the mean: with frames of 60 kB two robots
     had 2.8 % of the windows over the limit where it was the mean, and 0.04 so."""
     patience: float = 0.75
-    """A sample waits for room for this part of its stream's period (95.5 % of the bound instead of 94.2), or a
-    window."""
+    """A sample waits for room for this part of its stream's period (95.5 % of the bound, not 94.2), or a window."""
     late_period: float = 0.15
-    """A contested sample may be late by this part of the shortest period: every fifth frame fills 82 % of the limit,
-    not 73..."""
+    """A contested sample may be late by this part of the shortest period: every fifth frame fills 82 %, not 73..."""
     late_window: float = 0.05
     """... but not by more than this part of a window..."""
     late_robots: int = 2
     """... nor where more robots compete, for what they wait for is not known: two sent 3 % more, four 2 % less."""
     paced: float = 0.8
-    """A sample keeps the channel busy for this part of what it takes at the limits' pace at most: with all of it eight
-    robots with cameras filled 79 % of the limit instead of 82..."""
+    """A sample keeps the channel busy for this part of what it takes at the limits' pace (all: 79 % filled, not
+    82)..."""
     paced_least: float = 0.25
-    """... and for less than this part nobody waits: on a channel that is so much faster nothing was won (1.1 % over,
-    not 0.4)..."""
+    """... and for less than this part nobody waits: a channel so fast gains nothing (1.1 % over, not 0.4)..."""
     paced_ahead: float = 4.0
-    """... and plans have windows that are shorter by what so many samples take, as a burst goes one after the other:
-    without, the same team filled 82 % of the limit instead of 91..."""
+    """... and plans' windows are shorter by so many samples, as bursts go one by one (82 % filled without, now
+    91)..."""
     paced_window: float = 0.2
     """... but not by more than this part of a window."""
     alike: float = 0.1

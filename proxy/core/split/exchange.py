@@ -27,8 +27,7 @@ class Exchange:
         self.last_at = now
         """When that was [s]."""
         self._heard_at, self._requests = now, 0
-        """When we last heard or told what is news, or requested it [s], and how often we did since; not when we
-        answered."""
+        """When we last heard, told or requested news [s], not when we answered, and how often we did since."""
         self.repeats_at = math.inf
         """When we announce again what was news [s]."""
         self._again = False

@@ -30,8 +30,7 @@ class SplitTuning:
     alike_part: float = 0.125
     """Amounts are about the same, and not worth an agreement, that differ by no more than this part..."""
     alike_units: int = 50
-    """... and so many units: frames of four robots of *mixed* traffic reach 61 % of a central decider's utility, not
-    48."""
+    """... and so many units: frames of four robots of *mixed* traffic reach 61 % of central so, not 48."""
     urgency_levels: int = 4 * STEPS
     """Who gains sixteen times as much by a message has the first turn with a slot."""
     whole_slot: int = UNIT // 2
@@ -40,16 +39,13 @@ class SplitTuning:
     small_message: float = 0.05
     """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
     rate_shares: tuple[float, ...] = (0.125, 0.25, 0.5, 1.0)
-    """What small messages ask for is valued at such parts of their rate: with one value eight robots with equal streams
-    reached 67 % of a central decider, and reach 98 (unicast, 20 ms)..."""
+    """Small messages are valued at such parts of their rate: with one value eight robots reached 67 %, not 98..."""
     much: float = 0.5
-    """... where a stream asks for more than this part of an equal one: else eight robots sent 84 % of odometry at 300
-    ms."""
+    """... where a stream asks for more than this part of an equal one: else 84 % of odometry was sent at 300 ms."""
     spare_deviations: float = 3.0
     """Room beside the mean is asked for as so many standard deviations of what is generated in a window..."""
     spare_levels: int = 2 * STEPS
-    """... at so many levels less: four robots of *mixed* traffic send 99 % of small samples, with room for one more
-    83."""
+    """... at so many levels less: robots of *mixed* traffic send 99 % of small samples, with room for one more 83."""
     divisible_segments: int = 4
     """Segments of small messages."""
     sizes: int = 8

@@ -47,13 +47,11 @@ class ViewTuning:
     small_team: int = 10
     """That is done more rarely in a larger team than this, by as many times as it is larger."""
     size_digits: int = 5
-    """Streams have one audience whose sizes are equal but for what exceeds so many binary digits: half of the time of
-    weighing."""
+    """Streams have one audience whose sizes differ beyond so many binary digits: looking took half of weighing."""
 
     # What one robot may say
     implausible_for: float = 10.0
-    """What does not follow from a robot's last digest, or a stream's count, is refused for so long; then it begins anew
-    [s]."""
+    """What does not follow from a robot's last digest, or a stream's count, is refused for so long [s], then new."""
     digest_delay: float = 30.0
     """A digest may come this much sooner after the one before than it was sent [s]."""
     digest_ahead: float = 1.0
@@ -73,8 +71,7 @@ class ViewTuning:
     silent_since_start: float = 2.0
     """Who has sent nothing for this long since we do is not about to [s]."""
     word_time: float = 1.0
-    """Who has just been met and has said nothing for so long takes no part until it does [s]: a token left four robots
-    7 of 18 frames in 5 s."""
+    """Who has just been met and says nothing for so long takes no part until it does [s] (else 7 of 18 frames went)."""
     doubt_time: float = 60.0
     """Since somebody came without a word, who comes takes part from the first word on, for so long [s]."""
     team_begins: float = 5.0
@@ -95,8 +92,7 @@ class ViewTuning:
     peers_always_echoed: int = 4
     """Of no more peers than these each is echoed as soon as it is met."""
     unechoed_after_meeting: float = 2.0
-    """Of more, who was met no longer ago than this is not echoed [s]: else two took their clocks for 72 ms apart for 20
-    s."""
+    """Of more, who was met this lately is not echoed [s]: else two took their clocks for 72 ms apart for 20 s."""
     least_latency: float = 1e-6
     """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
     clock_warning_above: float = 0.05
@@ -125,8 +121,7 @@ class ViewTuning:
     """One that seems to have been generated sooner than this part of the period after a send that was told and not
     heard yet is that one: counted twice over ns-3 it cost ten robots with equal messages 5 % of utility."""
     same_size: float = 0.1
-    """So is one of the same size generated so soon after [s]: else up to 5 % of the windows of four robots were
-    over."""
+    """So is one of the same size generated so soon after [s]: else up to 5 % of windows of four robots were over."""
     least_period: float = 1e-3
     """Streams are taken to generate no faster than so [s]."""
     leads: tuple[int, ...] = (1, 4)

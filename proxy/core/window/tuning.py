@@ -18,14 +18,12 @@ class WindowTuning:
     forecasts_of_best: int = 24
     """Forecasts of a stream planned for where the best message counts: time grows with their square."""
     messages_of_a_model: int = 3
-    """Waiting samples, and forecasts, of a stream of the operator's aggregation, which may have a state for each set of
-    them."""
+    """Waiting samples, and forecasts, of the operator's aggregation, which may have a state for each set of them."""
     offered: float = 1.5
     """Where streams offer more than this times what the limits carry, plans expect the smallest samples to be sent:
     two, four and eight robots with frames of 26 kB send 6, 9 and 3 % more bytes so."""
     rival_worth: float = 0.5
-    """Of what is offered only that counts which is worth at least this part as much a byte (1 % more with five
-    streams)."""
+    """Of what is offered only that counts which is worth at least this part as much a byte (1 % more)."""
     sent_at_least: float = 0.05
     """No smaller part of the samples is expected to be sent."""
     bulky: float = 0.25
@@ -36,8 +34,7 @@ class WindowTuning:
     """We overhear a sample this much later at most, besides latency, digests' delay and jitter [s]: with 0.05 twelve
     robots with samples at random reached 72 % of a central decider instead of 75..."""
     agreed_within: float = 0.01
-    """... and where all plans agree this much: ten robots reached 1 to 4 % less with five times as much (100 and 300
-    ms)."""
+    """... and where all plans agree this much: ten robots reached 1 to 4 % less with five times as much."""
     early: float = 0.1
     """The next sample of a guaranteed stream may come earlier than expected by this part of the period."""
     overhead: float = 0.5
