@@ -15,14 +15,11 @@ from proxy.core.market.standing import UNKNOWN, Amounts, Row, Rows, Standing, Un
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
-from proxy.core.view.stream import Sent, Stream, excess
+from proxy.core.view.stream import Place, Sent, Stream, excess
 from proxy.core.view.view import SharedView
 
 if TYPE_CHECKING:
     from proxy.core.market.prices import Market
-
-Place = tuple[str, str]
-"""The robot and key of a stream."""
 
 
 class Disputes:
@@ -76,11 +73,11 @@ class Disputes:
         self.due_at = math.inf
         view, self.weighed_at, self._limits, self._alone = self._view, now, limits, alone
         competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
-        self._generated = {_place(stream): stream.generated for stream in competing}
+        self._generated = {stream.place: stream.generated for stream in competing}
         rows = self._rows.of(now, competing, limits) if limits else []
         if alone:
             rows = [row for row in rows if row.has_room(limits)]
-        places = [_place(row.stream) for row in rows]
+        places = [row.stream.place for row in rows]
         self._market, weighed = None, list[Weighed]()
         if rows:
             from proxy.core.market.prices import Market
@@ -93,12 +90,12 @@ class Disputes:
 
     def _knew_little(self, stream: Stream) -> bool:
         """Whether far more is known of a stream now than when it was weighed how streams stand."""
-        then = self._generated.get(_place(stream), 0)
+        then = self._generated.get(stream.place, 0)
         return then < TUNING.rate_samples and stream.generated >= 2 * then
 
     def weighed(self, stream: Stream) -> Weighed:
         """Return how a stream stands."""
-        return self._weighed.get(_place(stream), UNKNOWN)
+        return self._weighed.get(stream.place, UNKNOWN)
 
     def last_prices(self, now: float, limits: tuple[Limit, ...]) -> Amounts | None:
         """Return what a unit of each limit cost when streams were weighed last; None: long ago, or other limits."""
@@ -109,7 +106,7 @@ class Disputes:
 
     def standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """Return how a sample of ours stands: undisputed, contested or hopeless."""
-        known = self._weighed.get(_place(stream)) or self._weighed_alone(now, stream)
+        known = self._weighed.get(stream.place) or self._weighed_alone(now, stream)
         if abs(known.scale - sample.scale) > TUNING.alike * known.scale:
             return Standing.CONTESTED
         if known.standing is not Standing.PRICED:
@@ -256,7 +253,3 @@ class Disputes:
 
     def _own(self, stream: Stream) -> bool:
         return stream.robot == self._view.settings.robot
-
-
-def _place(stream: Stream) -> Place:
-    return stream.robot, stream.key

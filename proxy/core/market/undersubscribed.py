@@ -57,7 +57,7 @@ class Undersubscribed:
 
     def note(self, now: float, stream: Stream) -> None:
         """A stream has generated a sample."""
-        place, needed = (stream.robot, stream.key), need(self._view, stream, self._for[0], now)
+        place, needed = stream.place, need(self._view, stream, self._for[0], now)
         before = self._needs.get(place, (0.0,) * len(needed))
         self._needs[place] = needed
         (self._new.add if stream.generated < TUNING.rate_samples else self._new.discard)(place)

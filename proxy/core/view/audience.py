@@ -200,9 +200,7 @@ class Audiences:
 
     def to(self, now: float, name: str, size: int) -> Audience:
         """Return the robot with this tag as the only one that gains by a message of ours of so many bytes."""
-        fan = self._paths.of(self._settings.robot)
-        first, receivers = grouped(fan.ways((name,), size, self._loss(now)))
-        return Audience(size, first, fan.mean.per_byte, receivers)
+        return audience_of(self._paths.of(self._settings.robot), (name,), size, self._loss(now))
 
     def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> "_Looked":
         """Look at the ways of a stream, unless those of another stream that are the same were looked at lately."""

@@ -8,8 +8,8 @@ from collections import Counter
 from collections.abc import Container, Iterable
 
 from proxy.core.view.peer import Staleness
-from proxy.core.view.stream import Stream, at_stake
-from proxy.core.view.streams import Place, Streams, Turn
+from proxy.core.view.stream import Place, Stream, at_stake
+from proxy.core.view.streams import Streams, Turn
 from proxy.core.view.subscribers import Subscribers
 
 
@@ -62,7 +62,7 @@ class Contention:
         if robot is not None:
             rows = [row for row in rows if row.stream.robot == robot]
         if besides:
-            rows = [row for row in rows if (row.stream.robot, row.stream.key) not in besides]
+            rows = [row for row in rows if row.stream.place not in besides]
         if len(rows) > most:
             rows = _ranked(now, most, rows)
         return [row.stream for row in rows]
@@ -107,8 +107,8 @@ class Contention:
         return changed
 
     def _set_rows(self, streams: Iterable[Stream]) -> None:
-        self._rows = sorted(map(_Row, streams), key=lambda row: _place(row.stream))
-        self._places = [_place(row.stream) for row in self._rows]
+        self._rows = sorted(map(_Row, streams), key=lambda row: row.stream.place)
+        self._places = [row.stream.place for row in self._rows]
         self._count = Counter(robot for robot, _ in self._places)
 
     def _turn(self, turn: Turn) -> None:
@@ -122,10 +122,6 @@ class Contention:
         self._count[robot] -= 1
         if not self._count[robot]:
             del self._count[robot]
-
-
-def _place(stream: Stream) -> Place:
-    return stream.robot, stream.key
 
 
 def _ranked(now: float, most: int, rows: list[_Row]) -> list[_Row]:

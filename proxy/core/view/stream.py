@@ -19,6 +19,9 @@ from proxy.core.view.tuning import TUNING
 from utility_specs import InformationType
 from utility_specs.forecast import FeatureForecast
 
+Place = tuple[str, str]
+"""The robot and key of a stream."""
+
 
 @dataclass(slots=True)
 class Sizes:
@@ -259,6 +262,11 @@ class Stream:
         if at not in self._expected:
             self._expected[at] = self._outlined(self._outlook, TUNING.leads[at])
         return self._expected[at]
+
+    @property
+    def place(self) -> Place:
+        """Its robot and key."""
+        return self.robot, self.key
 
     @property
     def forecasts(self) -> dict[str, str]:

@@ -5,14 +5,12 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from proxy.core.model.settings import CoreSettings
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Place, Stream
 from proxy.core.view.tuning import TUNING
 from utility_specs import Specs
 
 PLAIN = "?"
 """Plain nodes are named by this and their origin."""
-
-Place = tuple[str, str]
 
 
 class Turn(NamedTuple):
@@ -141,9 +139,9 @@ class Streams:
     def admit(self, stream: Stream) -> None:
         """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""
         self.revision += 1
-        self._all[stream.robot, stream.key] = stream
-        self.turns.append(Turn(self.revision, (stream.robot, stream.key), stream, there=True))
-        self._owned.setdefault(owner_of(stream.robot), {})[stream.robot, stream.key] = stream
+        self._all[stream.place] = stream
+        self.turns.append(Turn(self.revision, stream.place, stream, there=True))
+        self._owned.setdefault(owner_of(stream.robot), {})[stream.place] = stream
         if len(self._all) > self._most:
             new = owner_of(stream.robot)
             owners = [owner for owner, owned in self._owned.items() if owner != new or len(owned) > 1]
@@ -155,9 +153,9 @@ class Streams:
         """The stream is no more."""
         self.revision += 1
         owner = owner_of(stream.robot)
-        del self._all[stream.robot, stream.key]
-        self.turns.append(Turn(self.revision, (stream.robot, stream.key), stream, there=False))
-        del self._owned[owner][stream.robot, stream.key]
+        del self._all[stream.place]
+        self.turns.append(Turn(self.revision, stream.place, stream, there=False))
+        del self._owned[owner][stream.place]
         if not self._owned[owner]:
             del self._owned[owner]
 
