@@ -1,6 +1,6 @@
 """How long digests wait in queues, seen without knowing anybody's clock.
 
-Queue delay is what `received − sent` exceeds its least value of late by; the least of the newest few is a standing
+Queue delay is what `received − sent` exceeds its least value of late by; the least of the newest few is that of a
 queue.
 """
 

@@ -1,7 +1,6 @@
 """What may still be sent: the constraints in force, what already counts against them, and which part of each is ours.
 
-In `announce` everything known to be sent counts, in `split` only our own sends; what robots do not share each has
-whole.
+In `announce` all that is known to be sent counts, in `split` only our own sends; what is not shared each has whole.
 """
 
 import math

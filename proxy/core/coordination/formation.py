@@ -33,8 +33,7 @@ class Formation:
     def begins(self, now: float, team: Team) -> bool:
         """Whether a team that splits from the beginning has just begun, or may, as we have nothing large to send yet.
 
-        Of robots switched on 20 s before their applications ten reach 92 to 96 % of one decider in 8 s so, instead of
-        60 to 69.
+        Switched on 20 s before their applications ten robots reach 92 to 96 % of one decider so, and reached 60 to 69.
         """
         return (team.begins_split or not team.had_large) and self.lasts(now)
 
@@ -69,11 +68,7 @@ class Meanwhile:
         self.plans, self.confined = False, 1.0
 
     def look(self, team: Team, agreement: Agreement, limits: tuple[Limit, ...], waiting: float) -> None:
-        """See how it is before parts have been in force; news of others are `waiting` so long on a full channel [s].
-
-        Only where large samples come seldom, and news soon; not for who joins robots that announce nothing, as they
-        agreed.
-        """
+        """Plan for all before parts are in force where samples are seldom and news soon, `waiting` for so long [s]."""
         may = team.splits and not (team.strict or team.quiet) and (team.undecided or team.seldom)
         soon = may and team.news_take(waiting) < TUNING.seldom_news * shortest_window(limits)
         self.plans = soon and not (agreement.newcomer and agreement.others_agreed)

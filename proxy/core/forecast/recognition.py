@@ -1,7 +1,4 @@
-"""Which pattern a stream has: as a spec says, as its robot reports, or as what was seen of it shows.
-
-A stream is periodic unless it shows bursts by long pauses, or randomness by times that no period explains.
-"""
+"""Which pattern a stream has: as a spec says, as its robot reports, or as was seen; periodic if in doubt."""
 
 import math
 from collections import deque

@@ -64,8 +64,7 @@ class Announcements:
     def greets(self, now: float) -> bool:
         """Whether somebody new has to hear, as all plan for all, what we sent that is in a window still.
 
-        Else five of eight flights had 3 to 12 % of the first 10 s of windows over the limit (eight and ten robots, 20
-        ms).
+        Else five of eight flights had 3 to 12 % of the first 10 s of windows over the limit (20 ms).
         """
         if not (self._greeting and self.needed):
             return False

@@ -154,8 +154,7 @@ class DigestBudget:
     def follow(self, now: float, *, splits: bool, quiet: bool, begins: bool, window: float) -> None:
         """Each robot has its part or not, and the team `begins` or has done so; `window` is the shortest one [s].
 
-        A large, `quiet` team tells ordinary news in turn: else five of fifty robots told them within 15 ms (1.16
-        limits).
+        A large, `quiet` team tells ordinary news in turn: else five of fifty robots told them at once (1.16 limits).
         """
         if quiet and not self._quiet:
             self._own = min(self._own, -self._turn * self._size * self._copies)
@@ -198,9 +197,8 @@ class DigestBudget:
     def due(self, now: float, *, apart: float, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
-        Digests are so far `apart` at least [s]. For room beside what others tell we wait a second or two at most, but
-        one window at least where that is shorter: else two of eight robots told at one moment (1.1 % of the windows
-        over).
+        Digests are so far `apart` at least [s]. For room beside what others tell we wait a second or two at most, one
+        window at least where that is shorter: else two of eight told at one moment (1.1 % over).
         """
         cost, slowest = self._size * copies, TUNING.slowest_digest
         common, own = self._levels(now)

@@ -87,12 +87,7 @@ class Gossip:
         self.account = Account(view, limits, self.budget)
         self.announcements = Announcements(view, coordination, limits, self.account, self.budget)
         self.states = StateAnnouncements(
-            now,
-            view,
-            coordination,
-            account=self.account,
-            budget=self.budget.states,
-            announcements=self.announcements,
+            now, view, coordination, account=self.account, budget=self.budget.states, announcements=self.announcements
         )
         self.requests = StateRequests(now)
         self.news = StreamNews()

@@ -50,10 +50,7 @@ class StreamNews:
     def take(
         self, now: float, streams: list[Stream], only: Container[str] | None = None, new: Container[str] = ()
     ) -> tuple[StreamDigest, ...]:
-        """Return news of streams to announce now, the most changed first, and some that may have been lost.
-
-        Where `only` is given, it is news of these keys that sent something since, and of those that are `new`.
-        """
+        """Return news of streams to announce, the most changed first, or `only` of those that sent or are `new`."""
         self._revision += 1
         known = {s.key for s in streams}
         self._announced = {key: announced for key, announced in self._announced.items() if key in known}

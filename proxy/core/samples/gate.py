@@ -100,10 +100,7 @@ class Gate:
         return self.outcomes.send(now, stream, sample, use, OWED if must else UNNEEDED)
 
     def _send_beside(self, now: float, stream: Stream, sample: Waiting) -> Command | None:
-        """Send a sample beside one that a search decides on, if nothing disputes it and there is room; else None.
-
-        Not before others of its key, nor where samples wait for room.
-        """
+        """Send a sample beside one that a search decides on, if nothing disputes it or waits, and it fits."""
         pending, appraisal, view = self.search.pending, self.appraisal, self._view
         if pending is None or self._copies or self._waits.for_room or self.undecided.holds(sample.key):
             return None

@@ -27,8 +27,7 @@ Place = tuple[int, float, int]
 class Inbox:
     """Gives out the highest priority first, then the oldest.
 
-    At most `capacity` samples of `most_bytes` wait, where one counts as half of these at most, and `backlog` of a
-    stream.
+    At most `capacity` samples of `most_bytes` wait, one counting as half of these at most, and `backlog` of a stream.
     """
 
     def __init__(self, capacity: int, backlog: int, most_bytes: float = math.inf) -> None:
@@ -106,9 +105,7 @@ class Inbox:
     def wake(self, now: float) -> None:
         """Give out again what rested until now; all, with ∞."""
         while self.wakes_at <= now and self._wakes:
-            sample = heappop(self._wakes)[1]
-            del self._resting[sample]
-            heappush(self._order, place(self._waiting[sample]))
+            self.wake_one(heappop(self._wakes)[1])
 
     def wake_one(self, sample: int) -> None:
         """Give a sample out again that rests."""

@@ -32,8 +32,7 @@ class Demand:
 def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
     """Return what streams ask for together of a limit with this window [s], among so many robots.
 
-    Small messages ask for their mean and what they vary by, large ones for slots, beyond the smallest for divisible
-    room.
+    Small messages ask for their mean and what they vary by, large ones for slots, and beyond for divisible room.
     """
     small = min(TUNING.small_message, 0.5 / max(1, robots))
     asking = [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]

@@ -11,8 +11,7 @@ from proxy.core.protocol.bid import UNIT
 class Steady:
     """What was ours throughout the last `window` [s]: a number that falls at once and rises one window later.
 
-    What a robot uses in a window is at most what it had when that began: summed over robots that holds as the numbers
-    do.
+    What a robot uses in a window is at most what it had when that began: that holds summed over robots, too.
     """
 
     def __init__(self, now: float, value: int, window: float) -> None:

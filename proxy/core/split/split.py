@@ -19,10 +19,7 @@ def worthwhile(agreement: Agreement, bid: Bid) -> bool:
 
 
 def indifferent(agreement: Agreement, bid: Bid) -> bool:
-    """Whether little would be gained if all agreed on this bid of ours, as far as we have everybody's.
-
-    Either each would have about what it has, or slots alone would change hands, and all together gain little.
-    """
+    """Whether little would be gained if all agreed on this bid: about what each has, or slots alone change hands."""
     if (bids := _bids_with(agreement, bid)) is None:
         return False
     newest = agreement.log.newest
@@ -141,8 +138,7 @@ class Split:
     def advance(self, now: float, delay: float, passes_at: float = -math.inf) -> bool:
         """Time passed; news take so long to others [s]. Return whether we passed a slot on.
 
-        Not before that could be told [s]: else twelve robots used 14 to 24 % of a limit, and use 60 to 70 now
-        (unicast).
+        Not before that could be told [s]: else twelve robots used 14 to 24 % of a limit, and use 60 to 70 now.
         """
         self.exchange.note_delay(delay)
         self._passes_at = passes_at

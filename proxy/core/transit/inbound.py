@@ -97,8 +97,7 @@ class Inbound:
     def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> tuple[float, float] | None:
         """A sample arrived; `stamp` is on its robot's wall clock [s].
 
-        Return when it was generated and sent, on our clock [s], by what samples take and how long they wait; None: not
-        known.
+        Return when it was generated and sent, on our clock [s], by what samples take and wait; None: not known.
         """
         self.samples += 1
         if self._last[1]:

@@ -65,10 +65,7 @@ class Paths:
         return Fan({name: (p.outbound.line, p.outbound.losses.share) for name, p in self._members.peers.items()})
 
     def on_air(self, gaining: tuple[str, ...], size: float) -> float | None:
-        """Return what samples of `size` [B] take beyond digests to those that gain by ours, as these tell [s].
-
-        The median of what they tell of our samples, and a few of them of others'; None while they told of none.
-        """
+        """Return what samples of `size` [B] take beyond digests to those that gain by ours, by the median told [s]."""
         senders = self._members.peers
         peers = [peer for name in gaining if (peer := senders.get(name)) is not None]
         lines = [(peer, peer.outbound.latency) for peer in peers]
@@ -161,10 +158,7 @@ def audience_of(fan: Fan, gaining: tuple[str, ...], size: int, lost: float) -> A
 
 
 class Audiences:
-    """The audience of each stream, looked at anew when somebody joins or leaves it, and now and then.
-
-    Streams of one robot of about one size that the same robots want have one.
-    """
+    """The audience of each stream, one for streams that are alike, looked at anew when it changes, and now and then."""
 
     def __init__(self, settings: CoreSettings, members: Members, subscribers: Subscribers, paths: Paths) -> None:
         self._settings = settings
@@ -180,8 +174,8 @@ class Audiences:
     def take_alike(self, *, alike: bool) -> None:
         """Take as much to be lost on all ways, so that all robots know the same, or what is known of each.
 
-        Where all plans have to be the same ten robots had 6.5 to 9.4 % of the windows over the limit, and have 0 to 1
-        (10 % lost).
+        Where all plans have to be the same ten robots had 6.5 to 9.4 % of the windows over, and have 0 to 1 (10 %
+        lost).
         """
         if alike != self._alike:
             self._alike = alike

@@ -1,7 +1,4 @@
-"""Who competes for the channel: the streams of which more is worth anything to somebody, and is to be expected.
-
-What is asked of streams is kept in rows, worked out anew only for streams of which something was noted since.
-"""
+"""Who competes for the channel: in rows, worked out anew only for streams of which something was noted since."""
 
 from bisect import bisect_left
 from collections import Counter

@@ -30,10 +30,7 @@ class Newcomers:
             self._doubted_at = now
 
     def in_doubt(self, now: float) -> bool:
-        """Whether who comes now may be nobody, as a token costs nothing, and takes part from its first word on.
-
-        So it is where the team has been there for a while: one that begins has no time to wait for words.
-        """
+        """Whether who comes now, to a team that has begun, may be nobody, and takes part from its first word on."""
         since = now - TUNING.team_begins
         return now < self._doubted_at + TUNING.doubt_time or any(
             peer.since <= since and not peer.silent for peer in self._peers.values()
@@ -70,8 +67,7 @@ class Newcomers:
     def only_listens(self, peer: Peer) -> bool:
         """Whether a robot has sent nothing though we have sent for a while: an operator only listens.
 
-        Not one with samples that others want, and no room: without one of eight 13 % of the windows were over the
-        limit.
+        Not one with samples that others want, and no room: else 13 % of the windows of eight robots were over.
         """
         if peer.counted is None:
             return False

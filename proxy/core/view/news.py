@@ -80,10 +80,7 @@ class News:
             self._traffic.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
 
     def _stream_of(self, now: float, robot: str, key: str, news: StreamDigest) -> Stream | None:
-        """Return the stream that news is of; None where it tells of fewer samples than are known, and does not count.
-
-        If so for a while, what is known was forged, and the stream begins anew.
-        """
+        """Return the stream that news is of; None where it tells of less than is known, which may have been forged."""
         known = self._streams.known(robot, key)
         if known is not None and news.generated < known.generated:
             if now < known.touched + TUNING.implausible_for:

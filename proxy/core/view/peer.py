@@ -35,10 +35,7 @@ class PendingNews:
         return len(self._news)
 
     def keep(self, news: StreamDigest) -> bool:
-        """Keep news; return whether it surely tells of another sample that was sent.
-
-        Of too many the one not heard of for longest is forgotten; told again, it may have counted before.
-        """
+        """Keep news, of too many streams the latest; return whether it surely tells of another sample that was sent."""
         earlier = self._news.pop(news.id, None)
         forgotten = earlier is None and news.id <= self._forgotten
         if earlier is None and len(self._news) >= TUNING.pending_news:

@@ -70,10 +70,7 @@ class Streams:
         return self._all.get((robot, key))
 
     def touch(self, now: float, robot: str, key: str, number: int = 0) -> Stream | None:
-        """Something is heard of the stream of a robot and key; return it, made when new; its `number` may be told.
-
-        None when no spec plans for the key.
-        """
+        """Something is heard of the stream of a robot and key; return it, made when new; None: no spec plans for it."""
         place = robot, key
         found = self._all.get(place)
         if found is None:

@@ -155,10 +155,7 @@ class Subscribers:
         return robot in self._broadcasting and self._settings.robot in self._broadcasting
 
     def copies(self, stream: Stream) -> int:
-        """Transmissions that one sample costs: one per robot that is known to want it, and when relayed one more.
-
-        In broadcast it is one for all.
-        """
+        """Transmissions of one sample: one in broadcast, else one per robot known to want it, and one when relayed."""
         if stream.robot in self._broadcasting:
             return 1
         wanting = self.of(stream)

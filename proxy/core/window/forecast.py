@@ -1,7 +1,6 @@
 """The streams that compete in a window, which messages are to be expected of them, and how far ahead it looks.
 
-A sample is *owed* by a guarantee when its stream would else be without one for too long. Plans take those to come for
-sent.
+A sample is *owed* by a guarantee when its stream would else be without one for too long; plans take it for sent.
 """
 
 import math
@@ -172,8 +171,7 @@ def _latency(view: SharedView, c: Candidate) -> float:
 def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
     """Where far more is offered than can be sent expect only the smallest samples of bulky streams to be sent.
 
-    Not within a part that is ours alone, which seldom has another one to choose from: thirty robots reached 92 % of a
-    central decider instead of 96 (unicast).
+    Not within a part of ours, with seldom another one to choose: thirty robots reached 92 % of central, not 96.
     """
     uses = [use_of(round(c.stream.sizes.mean), c.copies, limits, own=c.own) for c in candidates]
     rates = [1.0 / max(c.stream.schedule.period, VIEW.least_period) for c in candidates]

@@ -66,10 +66,7 @@ class WindowBuilder:
     def build(
         self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits, most: float = math.inf
     ) -> Window:
-        """Return the problem of deciding `current` while others of our own samples are `waiting`.
-
-        Of about `most` other messages half are samples that wait, those worth most, the rest forecasts.
-        """
+        """Return the problem of deciding `current` beside `most` others, half of them `waiting`, then forecasts."""
         waiting, limits, horizon = list(waiting), self._contested(now, limits), self._view.settings.horizon
         queued = int(min(len(waiting), most // 2))
         places = int(min(horizon, most - queued))
