@@ -47,8 +47,8 @@ def news_take(view: SharedView) -> float:
     return view.staleness.longest_way + view.staleness.delay + TUNING.deciding
 
 
-class Lead:
-    """Which of our streams have the best claim of all: what others claim is looked at once for all of them."""
+class Claims:
+    """Which of our streams have the best claim of all, and what those with a better one may send."""
 
     def __init__(self, view: SharedView, disputes: Disputes) -> None:
         self._view, self._disputes = view, disputes
@@ -56,77 +56,105 @@ class Lead:
         """When it was looked at [s], after how many changes of how streams stand, and under which limits."""
         self._best: Claim = NOBODY
 
-    def has(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> bool:
+    def lead(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> bool:
         """Whether a periodic stream of ours has the best claim: the others leave it the room that opens next."""
         if not _waits(stream):
             return False
         known = now, self._disputes.revision, limits
         if known != self._known:
-            claims = _claims(now, self._view, self._disputes, stream, limits)
+            claims = self._of_others(now, stream, limits)
             self._known, self._best = known, max((theirs for theirs, _ in claims), default=NOBODY)
         return self._best == NOBODY or self._best < claim(now, stream)
+
+    def rivals(
+        self, now: float, stream: Stream, limits: tuple[Limit, ...], grew: Callable[[float], float], *, agreed: bool
+    ) -> tuple[tuple[float, ...], float]:
+        """Return what samples of others with a better claim than ours use that may be sent now; none if all `agreed`.
+
+        And until when at least, as far as they are not heard of [s]. The best of them may have waited until the room
+        last `grew`; each may have given way to those before it until it was known what became of them.
+        """
+        claims = [] if agreed else self._of_others(now, stream, limits)
+        claims = [(theirs, each) for theirs, each in claims if self._pays(each)]
+        taken, until = self._taken_by_new(now, stream, limits), math.inf
+        if not claims:
+            return taken, until
+        ours = claim(now, stream) if self._pays(stream) else NOBODY
+        news, opened = news_take(self._view), grew(now)
+        if self._is_late(now, stream, opened if all(theirs < ours for theirs, _ in claims) else -math.inf):
+            ours = NOBODY
+        better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
+        last = max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
+        decided = min(last, now) + news
+        for rank, (_, each) in enumerate(better):
+            if _waits(each):
+                since = _due(now, each, news)
+                if since == -math.inf:
+                    continue
+                since = self._room_since(since, opened, each) if rank == 0 else since
+                spread = _spread(now, each)
+                known = math.inf if spread <= news else -math.inf  # whether it is known when it decides
+                ends = max(since, min(decided, known)) + news + spread
+                decided, part = max(decided, min(ends, known)), float(now < ends)
+                size = max(each.sizes.mean, each.sizes.announced) + TUNING.larger_deviations * each.sizes.deviation
+            else:
+                ends, size = now + news, each.sizes.mean
+                back = news * (TUNING.undecided_news if rank else 1.0)
+                part = float((-math.expm1(-back / each.schedule.period)) ** TUNING.caution)
+            if part > 0.0:
+                use = use_of(round(size), self._view.subscribers.copies(each), limits, own=False)
+                taken, until = both(taken, [part * amount for amount in use]), min(until, ends)
+        return taken, until
+
+    def _room_since(self, since: float, grew: float, stream: Stream) -> float:
+        """Return from when a sample has room that came then, or later as the room `grew` while it waited [s]."""
+        if since < grew < since + self._disputes.patience(stream):
+            return grew + opening(self._view) + self._view.staleness.delay
+        return since
+
+    def _is_late(self, now: float, stream: Stream, grew: float) -> bool:
+        """Whether others take the fate of our newest sample for known, which waited for the room that `grew`."""
+        since = self._room_since(stream.newest.t_gen, grew, stream)
+        return _waits(stream) and now > since + news_take(self._view) + _spread(now, stream)
+
+    def _of_others(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> list[tuple[Claim, Stream]]:
+        """Return the contested large streams of other robots, with their claims as these are compared with ours."""
+        view, weighed = self._view, self._disputes.weighed
+        later = now + TUNING.claim_tolerance
+        return [
+            (claim(later if each.robot > stream.robot else now, each), each)
+            for each in view.contention.all(now)
+            if each.robot != stream.robot and weighed(each).standing in CLAIMING and is_large(each, view, limits)
+        ]
+
+    def _pays(self, stream: Stream) -> bool:
+        """Whether a sample of a stream may well pay for the room it takes, if not every one."""
+        weighed, sizes = self._disputes.weighed(stream), stream.sizes
+        least = max(sizes.mean - sizes.deviation, 0.0) / max(sizes.mean, 1.0)
+        return weighed.most >= TUNING.claim_pays * least * weighed.cost
+
+    def _taken_by_new(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> tuple[float, ...]:
+        """Return what those may send about now of whose large streams only the states tell; what never sent goes first.
+
+        Of eight robots that met two sent at once in 10 % of the windows of the first 6 s, and do so in 3.5.
+        """
+        taken = (0.0,) * len(limits)
+        first = [
+            peer
+            for peer in self._view.newcomers.met_lately(now)
+            if stream.sent is not None or peer.robot > stream.robot
+        ]
+        for peer in first:
+            for key, told in peer.told.items():
+                known, use = self._view.streams.known(peer.robot, key), use_of(told.size, 1, limits, own=False)
+                if (known is None or known.last is None) and changes_plans(use, limits):
+                    taken = both(taken, use)
+        return taken
 
 
 def opening(view: SharedView) -> float:
     """Return how much later than it seems room opens that others leave [s]: how long news take is not known better."""
     return TUNING.opening_part * view.staleness.longest_way
-
-
-def rivals(
-    now: float,
-    view: SharedView,
-    disputes: Disputes,
-    stream: Stream,
-    limits: tuple[Limit, ...],
-    *,
-    grew: Callable[[float], float],
-    agreed: bool = False,
-) -> tuple[tuple[float, ...], float]:
-    """Return what samples of others with a better claim than ours use that may be sent now; none if all `agreed`.
-
-    And until when at least, as far as they are not heard of [s]. The best of them may have waited until the room last
-    `grew`; each may have given way to those before it until it was known what became of them.
-    """
-    claims = [] if agreed else _claims(now, view, disputes, stream, limits)
-    claims = [(theirs, each) for theirs, each in claims if _pays(each, disputes)]
-    taken, until = _taken_by_new(now, view, stream, limits), math.inf
-    if not claims:
-        return taken, until
-    ours = claim(now, stream) if _pays(stream, disputes) else NOBODY
-    news, opened = news_take(view), grew(now)
-    if _is_late(now, view, disputes, stream, grew=opened, leads=all(theirs < ours for theirs, _ in claims)):
-        ours = NOBODY
-    better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
-    last = max((each.sent.t_sent for _, each in claims if each.sent is not None), default=-math.inf)
-    decided = min(last, now) + news
-    for rank, (_, each) in enumerate(better):
-        if _waits(each):
-            since = _due(now, each, news)
-            if since == -math.inf:
-                continue
-            if rank == 0 and since < opened < since + disputes.patience(each):
-                since = opened + opening(view) + view.staleness.delay
-            spread = _spread(now, each)
-            known = math.inf if spread <= news else -math.inf  # whether it is known when it decides
-            ends = max(since, min(decided, known)) + news + spread
-            decided, part = max(decided, min(ends, known)), float(now < ends)
-            size = max(each.sizes.mean, each.sizes.announced) + TUNING.larger_deviations * each.sizes.deviation
-        else:
-            ends, size = now + news, each.sizes.mean
-            back = news * (TUNING.undecided_news if rank else 1.0)
-            part = float((-math.expm1(-back / each.schedule.period)) ** TUNING.caution)
-        if part > 0.0:
-            use = use_of(round(size), view.subscribers.copies(each), limits, own=False)
-            taken, until = both(taken, [part * amount for amount in use]), min(until, ends)
-    return taken, until
-
-
-def _is_late(now: float, view: SharedView, disputes: Disputes, stream: Stream, *, grew: float, leads: bool) -> bool:
-    """Whether others take the fate of our newest sample for known; where it `leads`, since the room `grew`."""
-    since = stream.newest.t_gen
-    if leads and since < grew < since + disputes.patience(stream):
-        since = grew + opening(view) + view.staleness.delay
-    return _waits(stream) and now > since + news_take(view) + _spread(now, stream)
 
 
 def _due(now: float, stream: Stream, news: float) -> float:
@@ -149,24 +177,6 @@ def _spread(now: float, stream: Stream) -> float:
     return min(TUNING.late_deviations * stream.schedule.uncertainty(now), TUNING.late_part * stream.schedule.period)
 
 
-def _claims(
-    now: float, view: SharedView, disputes: Disputes, stream: Stream, limits: tuple[Limit, ...]
-) -> list[tuple[Claim, Stream]]:
-    """Return the contested large streams of other robots, with their claims as these are compared with ours."""
-    return [
-        (_theirs(now, each, stream), each)
-        for each in view.contention.all(now)
-        if each.robot != stream.robot and disputes.weighed(each).standing in CLAIMING and is_large(each, view, limits)
-    ]
-
-
-def _pays(stream: Stream, disputes: Disputes) -> bool:
-    """Whether a sample of a stream may well pay for the room it takes, if not every one."""
-    weighed, sizes = disputes.weighed(stream), stream.sizes
-    least = max(sizes.mean - sizes.deviation, 0.0) / max(sizes.mean, 1.0)
-    return weighed.most >= TUNING.claim_pays * least * weighed.cost
-
-
 def is_large(stream: Stream, view: SharedView, limits: tuple[Limit, ...]) -> bool:
     """Whether samples of another robot's stream change what others plan."""
     return changes_plans(use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits, own=False), limits)
@@ -175,21 +185,6 @@ def is_large(stream: Stream, view: SharedView, limits: tuple[Limit, ...]) -> boo
 def _waits(stream: Stream) -> bool:
     """Whether it is known when a stream has a sample that may wait for room that others leave."""
     return stream.schedule.kind != MEMORYLESS
-
-
-def _taken_by_new(now: float, view: SharedView, stream: Stream, limits: tuple[Limit, ...]) -> tuple[float, ...]:
-    """Return what those may send about now of whose large streams only the states tell; what never sent goes first.
-
-    Of eight robots that met two sent at once in 10 % of the windows of the first 6 s, and do so in 3.5.
-    """
-    taken = (0.0,) * len(limits)
-    first = [peer for peer in view.newcomers.met_lately(now) if stream.sent is not None or peer.robot > stream.robot]
-    for peer in first:
-        for key, told in peer.told.items():
-            known, use = view.streams.known(peer.robot, key), use_of(told.size, 1, limits, own=False)
-            if (known is None or known.last is None) and changes_plans(use, limits):
-                taken = both(taken, use)
-    return taken
 
 
 def claim(now: float, stream: Stream) -> Claim:
@@ -203,10 +198,6 @@ def claim(now: float, stream: Stream) -> Claim:
     if over > 0.0:
         gain += over * initial(utility) * since
     return gain / max(1.0, stream.sizes.announced or stream.sizes.mean), stream.robot
-
-
-def _theirs(now: float, stream: Stream, ours: Stream) -> Claim:
-    return claim(now + TUNING.claim_tolerance if stream.robot > ours.robot else now, stream)
 
 
 def both(one: Sequence[float], other: Sequence[float]) -> tuple[float, ...]:

@@ -6,7 +6,7 @@ from functools import partial
 
 from planner import Aggregation
 from proxy.core.coordination.budget import Budget, grew
-from proxy.core.coordination.claims import both, rivals
+from proxy.core.coordination.claims import Claims, both
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Amounts, Standing, rate_known
 from proxy.core.market.tuning import TUNING
@@ -31,6 +31,7 @@ class Appraisal:
         self.view = view
         self.budget = budget
         self.disputes = disputes
+        self.claims = Claims(view, disputes)
         self.all_fits = False
         """Whether there was room for all that may be sent when it was last looked at."""
         self.ample = False
@@ -134,9 +135,7 @@ class Appraisal:
             return (), math.inf
         if any(amount > c.limit for amount, c in zip(use, budget.usable(now), strict=True)):
             return (), math.inf  # there never is room beside it
-        taken, until = rivals(
-            now, self.view, self.disputes, stream, budget.limits, grew=partial(grew, budget), agreed=budget.agreed
-        )
+        taken, until = self.claims.rivals(now, stream, budget.limits, partial(grew, budget), agreed=budget.agreed)
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
     def weigh_ahead(self, now: float) -> None:

@@ -2,7 +2,7 @@
 
 import math
 
-from proxy.core.coordination.claims import Lead, first_at, news_take, opening
+from proxy.core.coordination.claims import first_at, news_take, opening
 from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.market.room import Room, carried, pace_part
 from proxy.core.market.standing import Standing
@@ -26,7 +26,6 @@ class Waits:
         self._inbox = inbox
         self._view, self._budget, self._disputes = appraisal.view, appraisal.budget, appraisal.disputes
         self._followers = Followers(inbox)
-        self._lead = Lead(self._view, self._disputes)
         self._limits: tuple[Limit, ...] = ()
         """For room under these samples rest in the inbox."""
 
@@ -100,7 +99,9 @@ class Waits:
             return False
         use, contested = appraisal.use(stream, sample), standing is Standing.CONTESTED
         priced = not contested and self._disputes.weighed(stream).standing is Standing.PRICED
-        leads = (contested or priced) and not self._budget.alone and self._lead.has(now, stream, self._budget.limits)
+        leads = (
+            (contested or priced) and not self._budget.alone and appraisal.claims.lead(now, stream, self._budget.limits)
+        )
         kind = contested, leads
         if (before := self._followers.follow(kind, sample, use)) is not None:
             if before > until:
