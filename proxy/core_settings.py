@@ -2,8 +2,7 @@
 
 from proxy import clock
 from proxy.config import Config
-from proxy.core.model import transport
-from proxy.core.model.settings import CoreSettings
+from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
 from proxy.tuning import TUNING
 from proxy.version import version
 
@@ -22,7 +21,7 @@ def core_settings(config: Config, robot: str, zid: str) -> CoreSettings:
         inbox_bytes=config.queue.bytes // 2,
         backlog=planner.backlog,
         coordination=planner.coordination,
-        transport=transport.broadcast(mesh.group) if mesh.transport == "broadcast" else transport.UNICAST,
+        transport=broadcast(mesh.group) if mesh.transport == "broadcast" else UNICAST,
         allowance=mesh.allowance,
         relayed=mesh.relayed,
         # Where TLS says who speaks on the mesh, what anybody can broadcast is not believed.

@@ -7,8 +7,7 @@ from proxy import clock
 from proxy.agenda import Item
 from proxy.core.core import Core
 from proxy.core.interface.commands import Command
-from proxy.core.interface.events import ClockChanged, Event
-from proxy.core.interface.taker import Taker
+from proxy.core.interface.events import ClockChanged, Event, Taker
 from proxy.preparing import Preparation
 from proxy.tuning import TUNING
 

@@ -26,7 +26,6 @@ class Planning:
         self._deadline = deadline
         self._loop = loop
         self._samples = Worker(deadline, self._post)
-        self._ahead = Worker(deadline, loop.post)
         self._told = -1
         """The ticket of the last decision of which the core knows the answer, or that there is none in time."""
         self._late = self._cut = 0.0
@@ -34,9 +33,7 @@ class Planning:
 
     def close(self, timeout: float) -> None:
         """Stop after the decisions in hand; wait for them at most `timeout` [s]."""
-        end = clock.monotonic() + timeout
         self._samples.close(timeout)
-        self._ahead.close(max(0.0, end - clock.monotonic()))
 
     def decide(self, command: Decide) -> None:
         """Have it decided; a sample waits until its deadline, and not at all behind a search that is overdue.
@@ -44,9 +41,6 @@ class Planning:
         By the thread that uses the core only.
         """
         decision = Decision(command, self.settings, self._deadline)
-        if command.ahead:
-            self._ahead.submit(decision)
-            return
         now = clock.monotonic()
         if not _may_last(command.problem) and (answer := decision.work(now + TUNING.decided_at_once)) is not None:
             self._post(answer)
@@ -77,7 +71,7 @@ class Planning:
 
     def stuck(self, now: float) -> bool:
         """Whether a search does not come to its end."""
-        return self._samples.stuck(now) or self._ahead.stuck(now)
+        return self._samples.stuck(now)
 
     def warnings(self, now: float) -> list[str]:
         """Say when searches take too long."""

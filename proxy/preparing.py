@@ -10,7 +10,7 @@ from importlib import import_module
 from threading import Thread
 
 from proxy.core.core import Core
-from proxy.core.view.interest import intersects
+from proxy.core.view.subscribers import intersects
 from utility_specs import Specs
 
 MODULE = "proxy.core.market.prices"

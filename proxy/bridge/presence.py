@@ -25,12 +25,11 @@ from proxy.bridge.identities import Identities
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tokens import Later, Tokens
 from proxy.core.interface.events import DigestHeard, Event, StateAsked, StateHeard, VersionHeard
-from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.digest_codec import digest_head, pack_digest, unpack_digest
 from proxy.core.protocol.envelope import MalformedWireError, OtherVersionError
 from proxy.core.protocol.fixed import ticks
 from proxy.core.protocol.messages import Digest, State, tag
-from proxy.core.protocol.state_codec import pack_state, state_version, unpack_state
+from proxy.core.protocol.state_codec import pack_backlog, pack_state, state_version, unpack_backlog, unpack_state
 from proxy.core.protocol.tuning import TUNING as PROTOCOL
 
 log = logging.getLogger(__name__)

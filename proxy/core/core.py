@@ -1,11 +1,7 @@
-"""The decision core: takes events, returns commands. No I/O, no clock, no thread.
+"""The decision core: takes events, returns commands, `Core.handle(event)`. No I/O, no clock, no thread.
 
-    core = Core(settings, specs, now)
-    for command in core.handle(event): ...
-
-The same events and settings give the same commands, whoever drives: the daemon, a simulation, a test. An event is taken
-in by one reaction (`reactions/`); then the parts go on with what is due (`_advance`), and name when they are next. Most
-of what is heard is only noted: where no sample waits for it, the parts go on when the next of them is due.
+The same events and settings give the same commands, whoever drives. One reaction takes an event in (`reactions/`); then
+the parts go on with what is due (`_advance`). Most of what is heard is only noted until the next of them is due.
 """
 
 from collections.abc import Callable
@@ -88,7 +84,6 @@ class Core:
         return {name: value for name, value in vars(self).items() if name != "_reactions"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Know all that is in a snapshot."""
         vars(self).update(state)
         self._reactions = self._all_reactions()
 
@@ -103,7 +98,7 @@ class Core:
             return passed
         if kind is not ev.SampleHeard:  # which concerns none of ours
             fast.conclude()
-        commands, now = react(event), event.now
+        commands, now = react(event) or [], event.now
         parts = self._parts
         self._wakes_at = min(self._wakes_at, parts.gossip.requests.due_at)  # a digest may name a state that we lack
         due = now >= self._wakes_at or now >= parts.channel.due_at
@@ -178,56 +173,50 @@ class Core:
         return stream_decisions(self.parts, now, key, last, after)
 
     def _look_whether_samples_pass(self, event: ev.Event) -> None:
-        """See whether the next samples can be sent as they come."""
         if type(event) not in STEADY:
             self._fast.close()
         self._fast.open(event.now, min(self._wakes_at, self._parts.channel.due_at))
         if isinstance(event, ev.SamplePublished):
             self._fast.admit(event)
 
-    def _all_reactions(self) -> dict[type, Callable[[Any], list[Command]]]:
-        """Return who takes in which event."""
-        samples, news, gate = self._samples, self.news, self._parts.gate
-        members = Membership(self._parts, self._limits, news, self._retention)
-        changes = Changes(self._parts, self._limits, self._retention)
+    def _all_reactions(self) -> dict[type, Callable[[Any], list[Command] | None]]:
+        samples, news, parts = self._samples, self.news, self._parts
+        gate, copies = parts.gate, parts.kept.copies
+        members = Membership(parts, self._limits, news, self._retention)
+        changes = Changes(parts, self._limits, self._retention)
         return {
             ev.SamplePublished: samples.published,
             ev.SampleReread: samples.reread,
             ev.SamplesPassed: samples.passed,
-            ev.SampleHanded: samples.handed,
+            ev.SampleHanded: lambda handed: gate.outcomes.handed(handed.now, handed.sample),
             ev.SampleRefused: samples.refused,
-            ev.CopyHanded: samples.copy_handed,
-            ev.CopyRefused: samples.copy_refused,
+            ev.CopyHanded: lambda handed: copies.handed(handed.now, handed.sample, handed.to),
+            ev.CopyRefused: lambda refused: copies.turned_back(refused.now, refused.sample, refused.to),
             ev.DecisionReady: gate.ready,
             ev.DecisionLate: lambda late: gate.overdue(late.now, late.ticket),
-            ev.SampleHeard: news.sample,
+            ev.SampleHeard: parts.view.overhearing.take,
             ev.DigestHeard: lambda heard: news.hear(heard.now, heard.digest, heard.size),
             ev.StateHeard: news.state,
             ev.MalformedHeard: news.malformed,
             ev.VersionHeard: news.version,
-            ev.StateAsked: news.state_asked,
+            ev.StateAsked: lambda asked: parts.gossip.state_asked(asked.now),
             ev.PeerAppeared: members.appeared,
             ev.PeerGone: members.gone,
             ev.InterestChanged: changes.interest,
-            ev.MatchingChanged: changes.matching,
+            ev.MatchingChanged: lambda told: parts.view.streams.match(told.key, matching=told.matching),
             ev.ClockChanged: changes.clock,
             ev.LinksGauged: changes.links,
             ev.SpecsChanged: changes.specs,
             ev.ModeChanged: changes.mode,
-            ev.TimePassed: lambda _: [],
+            ev.TimePassed: lambda _: None,
         }
 
     def _advance(self, now: float, commands: list[Command], *, answered: bool) -> list[Command]:
         """Go on with whatever can go on after an event; what one part says is passed on to the others.
 
-        The announcement of a sample goes before it, behind which it waited for as long as the sample takes on the air:
-        others sent meanwhile. Over ns-3's Wi-Fi 5.0 and 7.2 % of the windows of four robots with cameras that broadcast
-        were over the limit, now 0 and 1.8; 0.9 % with small samples beside, by up to 1.39 times, now 0.2; in unicast
-        up to 2.3 % of five robots with samples of 1 to 40 kB, now 1.1.
-
-        While a search is on nothing is told that has time: what it decides is to be told in a moment anyway. Nor, where
-        nobody plans with it, before a sample that was `answered`: a digest held frames up by 0.5 to 1 ms. It goes with
-        the next event, which says that the sample was handed over.
+        The announcement of a sample goes before it: behind it 5.0 and 7.2 % of the windows of four robots with cameras
+        were over the limit over ns-3's Wi-Fi, and 0 and 1.8 are. While a search is on nothing is told that has time,
+        nor, where nobody plans with it, before a sample that was `answered`: a digest held frames up by 0.5 to 1 ms.
         """
         urgent, commands, parts = False, [*commands], self._parts
         budget, channel, gossip, gate = parts.budget, parts.channel, parts.gossip, parts.gate

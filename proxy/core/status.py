@@ -29,7 +29,7 @@ UNDERSTOOD = (OTHER_VERSION, ":flood", ":unknown", ":unproved")
 def report(
     core: Parts, refused: Mapping[str, int], retained: Collection[str], now: float, *, uptime: float
 ) -> dict[str, Any]:
-    """All that the core knows but for its streams, by topic. Times are ages or durations [s], sizes are bytes.
+    """All that the core knows but for its streams, by topic, as ages or durations [s] and bytes.
 
     `refused` counts what was heard and changed nothing, `retained` is what is taken from apps whoever is here.
     """
@@ -81,10 +81,7 @@ def streams(core: Parts, now: float) -> list[dict[str, Any]]:
 
 
 def live_streams(core: Parts, now: float) -> dict[str, Any]:
-    """Return of the streams only what who looks again and again shows, as `rows` under `columns`.
-
-    That is a third of the text, and takes half as long.
-    """
+    """Return what changes of each stream, as `rows` under `columns`: a third of the text, in half of the time."""
     glance = Glance(core.view, now)
     rows = [_live(stream, glance, now, *glance.wanted(stream)) for stream in core.view.streams]
     return {"columns": LIVE, "rows": rows}
@@ -220,8 +217,8 @@ def _peer(peer: Peer, core: Parts, now: float) -> dict[str, Any]:
         "specs": peer.specs,
         "latency_in": _latency(peer.inbound.latency),
         "latency_out": _latency(peer.outbound.latency),
-        "loss_in": peer.inbound.loss,
-        "loss_out": peer.outbound.loss,
+        "loss_in": peer.inbound.losses.share,
+        "loss_out": peer.outbound.losses.share,
         "clock_offset": peer.offset.offset,
         "clock_uncertainty": peer.offset.uncertainty(now) if known else None,
         "clock_jumps": peer.offset.jumps,

@@ -1,6 +1,5 @@
 """The core's part of `sendworthy why`: plain JSON data. Times are ages or durations [s], sizes are bytes."""
 
-from collections.abc import Sequence
 from typing import Any
 
 from planner import Plan
@@ -125,27 +124,18 @@ def _search(searched: Searched) -> dict[str, Any]:
         "messages": searched.held,
         "messages_of": max(searched.full, searched.held),
         "own": _rival(searched.this),
-        "competitors": _rivals(searched.rivals),
+        "competitors": [_rival(each) for each in sorted(searched.rivals, key=lambda r: -r.worth / max(r.size, 1))],
         "more": searched.more,
     }
 
 
 def _compared(plan: Plan) -> tuple[float | None, float | None, float | None]:
-    """Return what the best plans known with and without the sample are worth, and by how much the former exceeds.
-
-    The latter is of all that the search maximises. A plan that sends the sample may be better without it than all that
-    were found: nothing is left to find where no plan without it can be the best.
-    """
+    """Return what the best plans with and without the sample are worth, and by how much the former exceeds."""
     if not plan.send:
         return plan.opposite, plan.utility, None if plan.lead is None else -plan.lead
     lead = min((each for each in (plan.lead, plan.earns) if each is not None), default=None)
     found = plan.opposite if lead == plan.lead else plan.spared
     return plan.utility, found, lead
-
-
-def _rivals(rivals: Sequence[Rival]) -> list[dict[str, Any]]:
-    """Return streams with what their messages are worth, the worthiest by byte first."""
-    return sorted((_rival(each) for each in rivals), key=lambda each: -each["worth"] / max(each["size"], 1))
 
 
 def _rival(rival: Rival) -> dict[str, Any]:

@@ -10,8 +10,7 @@ from typing import Any
 from proxy import clock
 from proxy.bridge.payloads import Content
 from proxy.core.interface.commands import Command, Decide
-from proxy.core.interface.events import Event, SamplePublished
-from proxy.core.interface.taker import Taker
+from proxy.core.interface.events import Event, SamplePublished, Taker
 from proxy.recording.entries import Snapshot
 from proxy.recording.errors import RecordingError
 from proxy.recording.missing import Missing

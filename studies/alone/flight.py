@@ -6,7 +6,7 @@ from functools import partial
 from time import process_time
 
 from planner import Message, Problem
-from proxy.core.view.interest import intersects
+from proxy.core.view.subscribers import intersects
 from studies.alone.robot import Robot
 from studies.central import Policy
 from studies.policies.simple import Draws

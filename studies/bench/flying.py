@@ -9,8 +9,7 @@ import numpy as np
 
 from planner import Problem, SearchSettings
 from proxy.core.interface.commands import Command, Decide
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import CoreSettings, broadcast
 from proxy.core.protocol.messages import Digest
 from studies.alone.flight import fly_alone
 from studies.bench.channel import Channel
@@ -85,7 +84,7 @@ class _Team(Team):
     def _execute(self, member: Member, t: float, command: Command) -> None:
         begin = process_time()
         super()._execute(member, t, command)
-        if isinstance(command, Decide) and not command.ahead:
+        if isinstance(command, Decide):
             self.decisions.append(process_time() - begin)
 
     def _tell(self, member: Member, t: float, digest: Digest) -> None:

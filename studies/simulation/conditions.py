@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from proxy.core.model.transport import UNICAST
+from proxy.core.model.settings import UNICAST
 from proxy.core.model.tuning import TUNING as MODEL
 from studies.simulation.churn import Happening
 from studies.simulation.clocks import Clock

@@ -3,8 +3,7 @@
 from typing import TypeVar
 
 from planner import SearchSettings
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
 from studies.simulation.clocks import synchronised
 from studies.simulation.conditions import WARM_UP, Conditions
 from studies.simulation.medium import Medium

@@ -9,12 +9,11 @@ from proxy.core.core import Core
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import AskState, Command, Decide, Drop, Forward, SendDigest, SendState
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, State
 from proxy.core.protocol.state_codec import pack_state
-from proxy.core.view.interest import intersects
+from proxy.core.view.subscribers import intersects
 from studies.simulation.agenda import Agenda
 from studies.simulation.churn import Happening, joining
 from studies.simulation.clocks import Clock

@@ -8,8 +8,7 @@ from typing import Literal, Protocol
 
 from planner import Problem, SearchSettings
 from proxy.core.interface.commands import Command, Decide
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
 from studies.alone.flight import fly_alone
 from studies.central import Policy
 from studies.policies import (
@@ -68,7 +67,7 @@ class TimedTeam(Team):
     def _execute(self, member: Member, t: float, command: Command) -> None:
         begin = perf_counter()
         super()._execute(member, t, command)
-        if isinstance(command, Decide) and not command.ahead:
+        if isinstance(command, Decide):
             self.decisions.append(perf_counter() - begin)
 
 

@@ -15,7 +15,6 @@ from proxy.core.protocol.messages import State
 from proxy.loop import Loop
 from proxy.planning import RECENT, Planning
 from proxy.tuning import TUNING
-from tests.planner.windows import window
 from tests.utility_specs.models import Slow
 from tests.waiting import wait_until
 from utility_specs import load_specs
@@ -160,21 +159,3 @@ def test_a_planner_whose_searches_are_mostly_cut_short_is_told(drive, monkeypatc
         wait_until(lambda count=count: len(driven.done) > count, what="a decision")
     (warning,) = driven.planning.warnings(clock.monotonic())
     assert warning.startswith("most searches are cut short by planner.deadline, 20000 ms,")
-
-
-def test_what_others_should_send_keeps_no_sample_waiting(drive, monkeypatch):
-    """Nor do samples keep that waiting: it is worked out beside the decisions on them."""
-    driven = drive(SLOW, 20.0)
-    Slow.may.clear()
-    driven.publish()
-    wait_until(lambda: driven.planning.stuck(clock.monotonic() + 60.0), what="the search to begin")
-    handled, handle = [], driven.loop.feed.handle
-    monkeypatch.setattr(driven.loop.feed, "handle", lambda event: handled.append(event) or handle(event))
-    ahead = Decide(99, window(1), 1, 10, clock.monotonic(), ahead=True)
-    driven.loop.ask(lambda: driven.planning.decide(ahead), 10.0)
-    wait_until(
-        lambda: [e.ticket for e in handled if isinstance(e, ev.DecisionReady)] == [99], what="what others should"
-    )
-    assert driven.done == []
-    Slow.may.set()
-    wait_until(lambda: driven.done, what="the decision")

@@ -1,16 +1,73 @@
 """How much of an adaptive limit the channel bears: additive increase, multiplicative decrease (AIMD).
 
-The estimate grows only while it is used, so the channel is always known to have borne it. A decrease goes to what came
-through while a queue grew, then lower for the time that the queue needs to drain: a robot that hears of the decrease
-sees the delay vanish and, with it, the reason for another decrease.
+A decrease goes to what came through while a queue grew, then lower for as long as the queue needs to drain.
 """
 
 import math
 from collections.abc import Collection
 
-from proxy.core.congestion.capacity_reports import CapacityReports
 from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.limits import Limit
+from proxy.core.protocol.messages import Digest
+
+
+class CapacityReports:
+    """The last report of each robot, by tag: parts of the ceilings of all adaptive limits, and whose report counts.
+
+    That of a leader; where nobody else leads the least one, but no single one of several: it may be far away.
+    """
+
+    def __init__(self, own: str) -> None:
+        self._own = own
+        self._reports: dict[str, tuple[float, tuple[float, ...]]] = {}
+        self.leader = ""
+        self.follows = False
+        """Whether another robot leads whose report we have."""
+
+    @property
+    def leads(self) -> bool:
+        """Whether it is we who lead."""
+        return self.leader == self._own
+
+    def note(self, now: float, digest: Digest) -> None:
+        """A robot reports something."""
+        self._reports[digest.tag] = now, digest.capacity
+
+    def forget(self, peer: str) -> None:
+        """A robot left."""
+        self._reports.pop(peer, None)
+
+    def set_leader(self, now: float, leader: str) -> None:
+        """This robot leads now, if anybody."""
+        self.leader = leader
+        self.follows = not self.leads and self._reports.get(leader, (-math.inf, ()))[0] > now - TUNING.lifetime
+
+    def bound(self, now: float, k: int, limit: Limit, receivers: Collection[str]) -> float:
+        """What the others leave of a limit: what our receivers report, and what the rest does."""
+        return min(self._bound(now, k, limit, receivers, inside=inside) for inside in (True, False))
+
+    def least(self, now: float, k: int) -> float:
+        """The least that any other robot reports of a limit; nothing when none does."""
+        return min((report[k] for _, report in self._fresh(now, k)), default=0.0)
+
+    def used(self, count: int) -> tuple[float, ...] | None:
+        """What part of each of so many limits all use, if a leader reports it."""
+        report = self._reports[self.leader][1] if self.follows else ()
+        return report[count : 2 * count] if len(report) >= 2 * count else None
+
+    def _bound(self, now: float, k: int, limit: Limit, receivers: Collection[str], *, inside: bool) -> float:
+        """What our receivers report, or the others: the least but one, where there are several."""
+        reports = sorted(
+            min(max(report[k], limit.least), 1.0)
+            for peer, report in self._fresh(now, k)
+            if (peer in receivers) is inside
+        )
+        return reports[min(1, len(reports) - 1)] if reports else 1.0
+
+    def _fresh(self, now: float, k: int) -> list[tuple[str, tuple[float, ...]]]:
+        """The reports on a limit that count: that of the leader alone, where we follow."""
+        counting = {self.leader: (now, self._reports[self.leader][1])} if self.follows else self._reports
+        return [(p, report) for p, (t, report) in counting.items() if t >= now - TUNING.lifetime and len(report) > k]
 
 
 class Aimd:
@@ -42,8 +99,7 @@ class Aimd:
     def increase(self, now: float, elapsed: float, most: float, others: float) -> None:
         """The limit was used without congestion for `elapsed` [s]; the estimate grows to `most` at most.
 
-        It grows fast as long as all the `others` report that the channel bears more, unless it was decreased lately.
-        Where they report nothing (0), what speaks against more is known to us alone: then calm does not speed growth.
+        Fast up to what `others` report that the channel bears (0: nothing), unless it was decreased lately.
         """
         calm = now - self._decreased_at - TUNING.calm_after
         step = fastest = TUNING.slow_start * self.estimate
@@ -104,7 +160,6 @@ class Aimd:
         self.settled_at = max(self.settled_at, at)
 
     def _drain(self, now: float, delay: float) -> None:
-        """Send less for as long as the queue needs to drain."""
         self.bounded, self._slow_start = True, False
         self._decreased_at, self._decreased_for = now, delay
         held_back = self._drain_factor if now < self.drained_at else 1.0
@@ -115,10 +170,7 @@ class Aimd:
 
 
 class AdaptiveLimit:
-    """The `number`-th adaptive limit: our own estimate of it, what the others leave of it, and what is in force.
-
-    All values are parts of its `ceiling`.
-    """
+    """The `number`-th adaptive limit: our own estimate and what is in force of it, as parts of its `ceiling`."""
 
     def __init__(self, now: float, number: int, ceiling: Limit, aimd: Aimd | None = None) -> None:
         self.number = number

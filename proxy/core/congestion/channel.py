@@ -1,14 +1,128 @@
-"""The limits in force: those of the specs, of which adaptive ones follow what the channel bears."""
+"""The limits in force: those of the specs, of which adaptive ones follow what the channel bears.
+
+What the leader has in force holds for all, and only its estimate grows; the others object when they see a queue, which
+decreases the limit for all, once. After that all who see the queue send less until it has drained: five robots on a
+constant link reach 98.2 % of what a right limit reaches (broadcast, four seeds).
+"""
 
 import math
+from collections.abc import Iterable
+from typing import Any
 
-from proxy.core.congestion.capacity import Capacity
-from proxy.core.congestion.control import Traffic
+from proxy.core.congestion.aimd import AdaptiveLimit, CapacityReports
+from proxy.core.congestion.control import CongestionControl, Traffic
+from proxy.core.congestion.evidence import Evidence
+from proxy.core.congestion.tuning import TUNING
 from proxy.core.interface.commands import SetPace
 from proxy.core.model.limits import Limit, in_force, use_of
-from proxy.core.protocol.messages import tag
+from proxy.core.protocol.messages import Digest, tag
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
+
+
+class Capacity:
+    """The adaptive limits among those of the specs, which are the ceilings."""
+
+    def __init__(self, now: float, own: str) -> None:
+        self.evidence = Evidence(now, own)
+        self.factors: tuple[float, ...] = ()
+        """Of every adaptive limit, the part of its ceiling that is in force."""
+        self.due_at = math.inf
+        """When it is time to look at the channel [s]."""
+        self._limits: tuple[AdaptiveLimit, ...] = ()
+        self._reports = CapacityReports(own)
+        self._control = CongestionControl(now, self.evidence, self._reports)
+        self._last_report: tuple[float, ...] = ()
+        self._looked_at = now
+
+    def set_limits(self, now: float, limits: Iterable[Limit]) -> None:
+        """The constraints in force are now these; estimates of limits of the same name stay."""
+        before = {limit.ceiling.name: limit.aimd for limit in self._limits}
+        ceilings = enumerate(limit for limit in limits if limit.least < 1.0)
+        self._limits = tuple(AdaptiveLimit(now, k, each, before.get(each.name)) for k, each in ceilings)
+        self._control.set_limits(self._limits)
+        self._take_effect()
+
+    def digest_received(self, now: float, digest: Digest) -> None:
+        """A digest of another robot arrived."""
+        if self._limits:
+            self.evidence.digest_received(now, digest)
+            if not digest.brief:
+                self._reports.note(now, digest)
+
+    def forget(self, peer: str) -> None:
+        """A robot left: it is no evidence of anything."""
+        self.evidence.forget(peer)
+        self._reports.forget(peer)
+        self._control.forget_drops()
+
+    def staleness(self, now: float) -> float:
+        """How long news of others wait on their way here [s]."""
+        overdue = self.evidence.liveness.staleness(now) if self._control.overdue else 0.0
+        return max(overdue, self._control.queue_delay)
+
+    def wakes_at(self, now: float) -> float:
+        """When limits change by themselves [s], as a queue has drained."""
+        return min((t for limit in self._limits if (t := limit.aimd.drained_at) > now), default=math.inf)
+
+    def look(self, now: float, traffic: Traffic) -> None:
+        """React to what is seen now, and put in force what all report together."""
+        self._looked_at = now
+        self._reports.set_leader(now, traffic.leader)
+        self._control.look(now, traffic)
+        for limit in self._limits:
+            limit.combine(now, self._reports, traffic.receivers, self._control.queue_delay)
+        self._take_effect()
+
+    def probe_due(self, now: float) -> bool:
+        """Whether it is time for a digest only for its delay to be seen: the channel is in use."""
+        due_at = self.evidence.liveness.last_sent + TUNING.probe_interval
+        return self._control.busy(now) and bool(self.evidence.paths) and now >= due_at
+
+    def has_news(self, now: float) -> bool:
+        """Whether the others should hear at once what we would report."""
+        report, last, count = self.report(now), self._last_report, len(self._limits)
+        if len(report) > len(last):
+            return True
+        changes = list(zip(report, last, strict=False))[:count]  # what is used is no news
+        return any(new < TUNING.fell * old or new > TUNING.rose * old for new, old in changes)
+
+    def report(self, now: float) -> tuple[float, ...]:
+        """What a digest reports: of every adaptive limit, the part that the channel bears by our evidence.
+
+        Who leads reports what it has in force, and what part of every limit all use.
+        """
+        if self._reports.leads:
+            lasting = (limit.lasting for limit in self._limits)
+            return (*lasting, *(min(used, 1.0) for used in self._control.used))
+        if self._reports.follows:
+            return tuple(limit.aimd.estimate if limit.objects else 1.0 for limit in self._limits)
+        return tuple(limit.aimd.allowed(now) if limit.aimd.bounded else 1.0 for limit in self._limits)
+
+    def reported(self, digest: Digest) -> None:
+        """This digest of ours goes out."""
+        self._last_report = digest.capacity
+        self.evidence.liveness.digest_sent(digest.sent)
+        self.evidence.digest_sent(digest.sent, digest.messages)
+
+    def described(self, now: float, number: int) -> dict[str, Any]:
+        """An adaptive limit as plain JSON data: parts of its ceiling, and what it reacts to."""
+        limit = self._limits[number]
+        return {
+            "in_force": limit.in_force,
+            "estimate": limit.aimd.estimate,
+            "told": limit.aimd.allowed(now),
+            "floor": limit.ceiling.least,
+            "ceiling": limit.ceiling.limit,
+            "used": self._control.used[number],
+            "delay": self._control.queue.delay if self._control.queue else None,
+            "lost": self.evidence.delivery.excess_loss(now),
+            "reason": self._control.reason,
+        }
+
+    def _take_effect(self) -> None:
+        self.factors = tuple(limit.in_force for limit in self._limits)
+        self.due_at = self._looked_at + TUNING.look_interval if self._limits else math.inf
 
 
 class Channel:
@@ -17,7 +131,6 @@ class Channel:
     def __init__(self, now: float, view: SharedView) -> None:
         self.capacity = Capacity(now, tag(view.settings.zid))
         self.limits: tuple[Limit, ...] = ()
-        """The limits in force."""
         self.staleness = 0.0
         """How long news of others wait on a channel that is full [s]."""
         self._view = view
@@ -46,10 +159,7 @@ class Channel:
         self.staleness = 0.0  # until the next look: without adaptive limits there is none
 
     def look(self, now: float, dropped: int) -> bool:
-        """Look at the channel when it is time to; return whether all should hear of it at once.
-
-        So many samples of ours were `dropped` so far.
-        """
+        """Look at the channel, `dropped` samples of ours so far, if it is time to; whether all should hear at once."""
         if now < self.capacity.due_at:
             return False
         self.capacity.evidence.sent(now, self._view.traffic.messages, self._view.traffic.bytes)

@@ -1,14 +1,10 @@
-"""Congestion control: the estimates of adaptive limits grow while nothing stands in the way, else they decrease.
-
-What stands in the way is silence, a queue, or loss that was not there before.
-"""
+"""Congestion control: estimates of adaptive limits grow until silence, a queue, or loss beyond the usual."""
 
 import math
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-from proxy.core.congestion.aimd import AdaptiveLimit
-from proxy.core.congestion.capacity_reports import CapacityReports
+from proxy.core.congestion.aimd import AdaptiveLimit, CapacityReports
 from proxy.core.congestion.evidence import Evidence
 from proxy.core.congestion.queue_delay import StandingQueue
 from proxy.core.congestion.tuning import TUNING
@@ -18,9 +14,8 @@ from proxy.core.congestion.tuning import TUNING
 class Traffic:
     """What the view knows of the use of the channel: samples `dropped` so far by anybody, who receives our samples.
 
-    `longest` is the time that the longest sample takes on a channel that is as the limits are now [s], `each` the part
-    of every adaptive limit's ceiling that one sample of each stream takes together, and `one` the largest of these.
-    The report of the `leader` counts for all.
+    `longest`: what the longest sample takes as the limits are now [s]; `each`: the part of every ceiling that a sample
+    of each stream takes together, `one`: the largest of these. The report of the `leader` counts for all.
     """
 
     dropped: int
@@ -129,7 +124,6 @@ class CongestionControl:
         return "overdue" if self.queue_delay <= bearable else ""
 
     def _react_to_congestion(self, now: float, receivers: Collection[str], bearable: float) -> str:
-        """Decrease for a queue or for loss."""
         settled = max(limit.aimd.settled_at for limit in self._limits)
         new = self._standing(now, receivers, settled, bearable)
         if new is not None and new.delay > bearable:
@@ -147,10 +141,7 @@ class CongestionControl:
         return "some delay" if self.queue_delay > bearable / 2.0 else ""
 
     def _standing(self, now: float, receivers: Collection[str], since: float, bearable: float) -> StandingQueue | None:
-        """The longest queue that stands since then.
-
-        A limit lets what it bears in its window be sent at once: a queue stands if it outlasts that.
-        """
+        """The longest queue that stands since then, for longer than what a limit lets be sent at once."""
         longest = max(limit.ceiling.window for limit in self._limits)
         span = min(max(TUNING.standing, longest), TUNING.longest_standing)
         return self._evidence.queue(now, receivers, since, bearable, span)
@@ -203,7 +194,6 @@ class CongestionControl:
         return reason
 
     def _follow(self, now: float) -> str:
-        """Come to what the leader has in force."""
         elapsed, self._free_at = now - self._free_at, now
         for limit in self._limits:
             limit.aimd.increase(now, elapsed, limit.others, limit.others)

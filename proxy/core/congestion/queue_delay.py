@@ -1,8 +1,7 @@
 """How long digests wait in queues, seen without knowing anybody's clock.
 
-`received − sent` holds the constant offset of two clocks and the way itself; what it exceeds the base delay by, its
-least value of late, is queue delay. A queue that only holds what was just sent is empty now and then, so what counts is
-the least of the newest few: the standing queue.
+Queue delay is what `received − sent` exceeds its least value of late by; the least of the newest few is that of a
+queue.
 """
 
 import math
@@ -54,10 +53,7 @@ class OneWayDelays:
         return [(t, delay) for t, delay in delays if t - delay >= since]
 
     def share(self, since: float, bearable: float, span: float) -> float:
-        """How much of what was sent came through since delays were bearable: 1 if the queue does not grow.
-
-        What was sent at once in a `span` [s] is no more than what was sent in that time.
-        """
+        """How much of what was sent came through since delays were bearable, in a `span` [s]: 1 if no queue grows."""
         base = self._base[0][1]
         last_sent, last_took = self._newest[-1][1:]
         short = [(s, took) for t, s, took in self._newest if t >= since and took - base < bearable]
@@ -101,8 +97,7 @@ def standing_queue(
 ) -> StandingQueue | None:
     """What stands in front of several paths of one direction since then; None while two new delays do not tell.
 
-    It stands when it was there all the `span` [s]; nothing counts that came before the `recent` past [s]. Where
-    something came by several paths the delays are of two: one robot that is far away is no channel that is full.
+    It was there all the `span` [s] of the `recent` past [s], on two paths where there are two: one may be far away.
     """
     known = [path for path in paths if path.known]
     delays = [_Delay(t, delay, path) for path in known for t, delay in path.delays(since, recent)]

@@ -15,10 +15,9 @@ class CongestionTuning:
     calm_after: float = 3.0
     """So long after a decrease it is calm."""
     slow_start: float = 0.5
-    """An estimate grows by this part of itself in a second at most, and in slow start: until the first decrease, after
-    silence, and up to what the others report."""
+    """It grows by this part of itself in a second at most: until the first decrease, or up to what others report."""
     untested: float = 1.3
-    """An estimate above the limit in force is not tested: it grows to this many times that limit at most."""
+    """It grows to this many times the limit in force at most: what is above that is not tested."""
     used: float = 0.85
     """A limit is used when this part of what is in force is used..."""
     half_used: float = 0.5

@@ -1,35 +1,25 @@
 """How robots keep a limit together: who counts what of whom, and which part of every shared limit is ours.
 
-`announce`: each robot plans for all with what it knows and acts on its own samples only; what it sends the others hear
-from the air, or from the digest that follows. That holds while news take less than about a quarter of the window, and
-while the digests fit into their allowance.
+`announce`: each robot plans for all with what it knows and acts on its own samples only. That holds while news take
+less than about a quarter of the window, and while digests fit into their allowance.
 
-`split`: each robot has a part of every limit (`proxy.core.split`), and needs no news of the others. It is what an
-operator configures who needs the limit kept at any latency, and what a team changes over to where news take too long or
-announcements cost too much, or, in unicast, where large samples of all come seldom (`team.py`). As changing over takes
-what is left of the allowance, a team begins so until each robot knows how often its own come; who joins robots that
-plan for all does so at once. In between, who still plans for all counts only what it knows the others to have sent, not
-their parts. Where no agreement comes about, for one robot hears nothing of another or says what nobody else does, all
-plan for all and try again later (`patience.py`); but in a team whose operator asked for `split`.
+`split`: each robot has a part of every limit (`proxy.core.split`), and needs no news of the others. An operator
+configures it, or a team changes over where news take too long, announcements cost too much, or in unicast large samples
+of all come seldom (`team.py`). Where no agreement comes about all plan for all and try again later (`patience.py`).
 
-A large team would take a minute to agree on parts. There each robot has an equal one, which nobody has to announce, and
-may use more of it than it is (`overbooking.py`); larger messages go by turns of the clock (`clock_turns.py`). So it is
-in a smaller team where announcements cost too much and no message is much larger than such a part, but for the turns.
-Where an operator asked for `split` it is an equal part and no more. Fifty robots with streams of 0.1 to 4 kB reached
-96 % of a central decider so, in unicast as in broadcast; agreeing on parts they reached 41, and where all overheard all
-94 with 60 % of the windows over.
+A large team would take a minute to agree: there each robot has an equal part, which it may overbook, and larger
+messages go by turns of the clock (`equal_parts.py`); so it is in smaller teams of small messages where announcements
+cost too much. Fifty robots with streams of 0.1 to 4 kB reach 96 % of a central decider so, and 41 agreeing.
 """
 
 import math
 from collections.abc import Callable, Collection, Sequence
 
-from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW, Turn
 from proxy.core.coordination.demands import bid
-from proxy.core.coordination.departed import Departed
-from proxy.core.coordination.equal_parts import EqualParts
-from proxy.core.coordination.formation import Formation
+from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts, Turn
+from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
-from proxy.core.coordination.meanwhile import Meanwhile
+from proxy.core.coordination.patience import Departed
 from proxy.core.coordination.team import Team, words_take_long
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
@@ -55,19 +45,15 @@ class Coordination:
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
         self.equal = EqualParts(now)
-        """What we have where nobody agrees on parts."""
         self.hollow = Hollow()
-        """What others claim and nobody confirms."""
         self.keeps = 0.0
         """The part that we keep to, where claims of others are hollow: nothing that they send counts against it."""
         self.certain = 0.0
         """The part that we have for small samples whatever others say; none where nobody else sends."""
         self.told: SplitReport | None = None
-        """What our last digest said of parts."""
         self.formation = Formation(now, strict=self.team.strict)
         self._departed = Departed()
         self.meanwhile = Meanwhile()
-        """What we do until parts are established."""
 
     @property
     def _all_equal(self) -> bool:
@@ -87,8 +73,7 @@ class Coordination:
     def part(self, now: float, k: int) -> float:
         """Return what part of shared limit number `k` we may use within the window that ends now.
 
-        Where a team changes over each robot takes an equal part, or what the table gives it that it announces, until it
-        has had what all have agreed on for a window.
+        Where a team changes over, an equal part or what its table gives us until all have agreed for a window.
         """
         split = self._split
         if not self.keeps and (split is None or not self.binds):
@@ -109,10 +94,7 @@ class Coordination:
         return math.inf if self.split_in_force is None else self.split_in_force.own_part.grows_at(now)
 
     def turn(self, now: float, k: int, limit: Limit, amount: float) -> Turn:
-        """Return our turn with a message that is too large for our part.
-
-        It needs none where nobody else may send now, or where it is not so large in a team with turns by the clock.
-        """
+        """Return our turn with a message too large for our part; none is needed where nobody else may send."""
         if not limit.shared:
             return NOT_NEEDED
         if self.equal.by_clock:
@@ -123,10 +105,8 @@ class Coordination:
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """A message was sent that uses such parts of the shared limits.
 
-        What is sent before parts are agreed on, while all plan for all, is no larger than it may be. Where it counted
-        as larger than the part that we did not have yet, it had 76 windows for itself, and its slot stayed ours so
-        long: of ten robots with equal messages, which are worth less the sooner they follow each other, five sent
-        nothing for minutes, and all reached 62 % of a central decider, and 79 to 90 since (unicast, 2 and 20 ms).
+        Before parts are agreed on it is no larger than it may be: else five of ten robots with equal messages sent
+        nothing for minutes, as their slots stayed theirs for 76 windows (62 % of a central decider, 79 to 90 now).
         """
         if self._split is None:
             return
@@ -194,9 +174,8 @@ class Coordination:
     ) -> bool:
         """See whether the team has to split, and what to ask for; return whether there is something to announce.
 
-        News of others are `waiting` so long on a channel that is full [s]; `announcing` says what part of the
-        allowance announcements take, `using` what part we use of what we may, `passes_at` when it could be told that a
-        slot of ours is passed on.
+        News of others are `waiting` so long [s]; announcements take a part of the allowance by `announcing`, our sends
+        one of what we may by `using`; by `passes_at` it could be told that a slot of ours is passed on.
         """
         if not len(self._view.streams):
             self.formation.wait(now)
@@ -284,7 +263,6 @@ class Coordination:
 
 
 def _introduce(now: float, split: Split | None, team: Team) -> None:
-    """Let the split know who takes part."""
     if split is not None:
         split.set_members(now, team.members)
         split.set_quiet(now, quiet=team.large)

@@ -48,15 +48,11 @@ def _late(view: SharedView, stream: Stream, audience: Audience) -> bool:
 
 
 def _value(stream: Stream, share: float, period: float, rate: float) -> float:
-    """Return the utility per second of so many messages per second, which lie whole periods apart if there are any.
+    """Return the utility per second of so many messages per second, whole periods apart, if received at once.
 
-    Where they were taken to be evenly apart, a second message in a window seemed worth as much as the first: ten robots
-    with equal messages reached 91.0, 95.8 and 98.7 % of a central decider (most important, mixed, few), and reach 92.9,
-    96.2 and 99.4 now (20 ms, unicast, three seeds).
-
-    As if they were received at once. Each robot learns at another moment how long they take: where bids depended on it
-    all changed theirs then, and ten robots whose news took 1 s agreed for 20 s anew. Frames of four robots with cameras
-    take 50 % of the limit at 1 s since they do not, and took 40.
+    Taken evenly apart a second one in a window seemed worth as much as the first (ten robots with equal messages: 91.0
+    to 98.7 % of a central decider, 92.9 to 99.4 now). With latencies, which each learns at another moment, all bid anew
+    each time: frames of four robots at 1 s took 40 % of the limit instead of 50.
     """
     kind, like = stream.information_type, stream.newest
     utility, lasting = kind.utility_of(like.features), kind.aggregation in (Aggregation.SUM, Aggregation.ONCE)

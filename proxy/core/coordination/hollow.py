@@ -1,15 +1,10 @@
 """Claims of the channel that nothing comes of: whoever lies takes no more than an equal part from others, but briefly.
 
-A robot is believed what it says of itself. One that lies could have all others leave it all room: by what it says to
-have sent, by samples that it never sends, by bids, by votes. Whatever the lie, it shows at who is harmed. Of what we
-generate much is not sent, we use less than an equal part, and still the channel is hardly used, as far as receivers
-confirm what is sent, though others claim something. Then we keep to an equal part for a while, and nothing that others
-say counts against it. The parts of all sum to the limit, so that is safe where the claims were true.
-
-Not where an operator asked for `split`, which holds whatever happens to news, nor where we find it due ourselves: of
-robots with samples of random sizes whose news took 300 ms parts left 65 % of the limit unused, and beside them equal
-ones put 1.8 % of the windows over it. There bids decide, and who asks for little has an eighth of an equal part for
-certain (`split/tuning.py`).
+Whatever the lie, it shows at who is harmed: much of what we generate is not sent, we use less than an equal part,
+others claim something, and the channel is hardly used as far as receivers confirm. Then we keep to an equal part for a
+while, which is safe where the claims were true. Not where parts are configured, or where we find them due ourselves
+(beside parts at 300 ms equal ones put 1.8 % of the windows over): there bids decide, and an eighth is certain
+(`split/tuning.py`).
 """
 
 import math
@@ -134,11 +129,7 @@ def _held_back(before: _Account, after: _Account) -> bool:
 
 
 def _claimed(before: _Account, after: _Account, now: float, view: SharedView) -> bool:
-    """Whether others say that they sent anything, or have anything to send.
-
-    Where nobody does it is not for them that we sent little: a robot that 2,000 new keys had kept from deciding in time
-    used 40 % of the limit from then on, for minutes, though nobody else had anything to say.
-    """
+    """Whether others say that they sent anything, or have anything to send: else they are not the cause."""
     known = before.claims.keys() & after.claims.keys()
     if any(after.claims[name].counted[0] > before.claims[name].counted[0] for name in known):
         return True
@@ -183,10 +174,7 @@ def _less(after: Sent, before: Sent) -> Sent:
 
 
 def _of_streams(then: _Claim, now: _Claim) -> Sent:
-    """Return what was sent of a robot's streams meanwhile, by the mean sizes that they have now.
-
-    Of all that was ever sent a mean that changes by a hundredth makes more in an hour than the limit has room for.
-    """
+    """Return what was sent of a robot's streams meanwhile, by the mean sizes that they have now."""
     known = now.streams.keys() & then.streams.keys()
     sent = [(now.streams[key][0] - then.streams[key][0], now.streams[key][1]) for key in known]
     return sum(count for count, _ in sent), sum(count * size for count, size in sent)

@@ -8,10 +8,10 @@ from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, allowance_of, changes_plans, exceeds, shortest_window, use_of
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import is_broadcast
 from proxy.core.protocol.messages import Digest
 from proxy.core.split.agreement import Agreement
-from proxy.core.split.proposal import outdoes_equal
+from proxy.core.split.split import outdoes_equal
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
@@ -54,12 +54,8 @@ class Team:
         """Tags of the others that share equal parts with us: all but those that are known to have sent nothing."""
         self.patience, self._stuck = Patience(), False
         self.gave_up = False
-        """Whether the team could not agree on parts in time, and words cost too much: equal parts need none.
-
-        Each planned for all instead, and could tell hardly anything of it: twelve robots with samples of a tenth of
-        0.3 Mbit/s used 8 to 23 % of that, for minutes; and where one of six did so beside equal parts of the others, a
-        quarter of the windows were over the limit, by up to 1.8.
-        """
+        """Whether the team could not agree on parts in time, and words cost too much: equal parts need none. Twelve
+        robots that planned for all instead used 8 to 23 % of 0.3 Mbit/s for minutes."""
         self.varied = False
         """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""
 
@@ -116,11 +112,7 @@ class Team:
         (self._votes.add if splits else self._votes.discard)(name)
 
     def news_take(self, waiting: float) -> float:
-        """Return what digests take from or to any robot at most, took to us lately, or are `waiting` for now [s].
-
-        Not what samples take: frames wait for each other on a channel that is full, and news go by. What others hear
-        late they say themselves.
-        """
+        """Return what digests take from or to any robot at most, took to us lately, or are `waiting` for now [s]."""
         return max(self._view.staleness.longest_way, min(self._took, default=0.0), waiting)
 
     def wait(self, now: float, waiting: float, agreement: Agreement | None) -> None:
@@ -142,10 +134,7 @@ class Team:
         asked: bool,
         heeded: bool = True,
     ) -> None:
-        """Find whether the team has to split; `asked`: whether another robot asks for a part.
-
-        `heeded`: whether anything that others say counts, so that we have to tell them what we send, too.
-        """
+        """Find whether the team has to split; `asked`: another asks for a part; `heeded`: what others say counts."""
         view, window, still = self._view, shortest_window(limits), TUNING.hysteresis if self.votes_to_split else 1.0
         competing = view.contention.all(now)
         sending = {stream.robot for stream in competing} | _unheard(view)
@@ -184,11 +173,7 @@ class Team:
         return not any(exceeds(most, use_of(round(stream.sizes.mean), 1, limits), limits) for stream in competing)
 
     def _find_senders(self) -> frozenset[str]:
-        """Return the tags of the others that share what there is: all but those that are known to have sent nothing.
-
-        Where only those counted of whom we have heard what they send, six robots took 1.4 times the limit: few news
-        come.
-        """
+        """Return the tags of the others that share what there is: all but those that are known to have sent nothing."""
         listens = self._view.newcomers.only_listens
         return frozenset(name for name, peer in self._view.peers.items() if name in self.members and not listens(peer))
 
@@ -200,7 +185,6 @@ class Team:
         return sum(counts) / len(counts)
 
     def _others(self) -> Iterator[Peer]:
-        """Yield the others that take part."""
         return (peer for name, peer in self._view.peers.items() if name in self.members)
 
     def _look_at_rhythms(self, now: float, limits: tuple[Limit, ...], waiting: float) -> None:

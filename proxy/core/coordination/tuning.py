@@ -10,45 +10,29 @@ class CoordinationTuning:
     interval: float = 0.25
     """Whether the team has to split, what we ask for and what we use is looked at this often [s]."""
     late_news: float = 0.25
-    """News are late where they take this part of the shortest window: at a fifth of it five robots with samples of
-    random sizes reached 95 % of a central decider in `announce` (6 to 9 % of windows over), 74 to 91 in `split`."""
+    """News are late that take this part of the shortest window: five robots lose 4 to 21 % in `split` at a fifth."""
     late_digests: int = 3
-    """So many digests that were long on their way, one after the other, say that a queue makes news late: four robots
-    that began at once filled 2.8 times the limit for ever without it, and for two seconds with it."""
+    """So many late digests in a row say that a queue makes news late: else four robots filled 2.8 limits for ever."""
     affordable: float = 0.8
     """Announcements cost too much where they take this part of the allowance..."""
     seldom_period: float = 0.25
     """Samples come seldom that are so far apart at least [windows]..."""
     seldom_size: float = 0.2
-    """... and are no larger a part of a limit: a team splits then, whatever news take. Each planning for all, ten
-    robots with equal messages of 1 Hz reached 92 to 97 % of a central decider at 20 to 300 ms (unicast, 0 to 9 % of
-    windows over), and 50 to 81 at 1 s, where they changed over (15 to 21 % over); now 95 to 100 (0 to 1.4 % over) and
-    85 to 92 (1.4 to 5.3)."""
+    """... and are no larger a part of a limit: a team splits then (ten robots: 95 to 100 % of a central decider)."""
     seldom_news: float = 0.1
-    """A team that splits as samples come seldom plans for all until its parts are known where news take less than this
-    part of the shortest window."""
+    """A team that splits so plans for all until it has parts where news take less than this part of a window."""
     overheard_news: float = 0.2
-    """Where samples that come seldom are overheard a team splits where news take this part of the shortest window: at
-    300 ms ten robots with equal messages reached 90 and 81 (most important), 93 and 91 (mixed), 93 and 99 % (few) of
-    the bound in parts, and reach 91 to 92, 98, and 98 and 99, with up to 4 % of the windows over the limit (five and
-    ten messages in 2.5 s, three seeds); at 500 ms and five messages 72 (most important), though."""
+    """Where such are overheard a team splits where news take this part of the shortest window (300 ms: 91 to 99 %)."""
     announced_news: float = 0.02
-    """In unicast each of them is announced where news take less than this part of the shortest window..."""
+    """In unicast each is announced where news take less than this part of the shortest window..."""
     announced_part: float = 0.05
     """... all that robots tell each other is no more than this part of a limit..."""
     announcing_robots: int = 13
-    """... and there are no more robots than these. With equal messages of 20 kB, 1 Hz and room for five in 2.5 s twelve
-    robots reached 74 to 77 % of a central decider in parts, and reach 97 to 99 now, eight 88 and 98 to 100, three to
-    eight of unequal worth 87 to 96 and 94 to 100, with as many windows over the limit, 0 to 7 % (10 ms, exponential
-    utility of 5 s, three seeds). Sixteen would reach 64 to 70 % instead of 96, and at 50 ms ten would exceed more
-    windows."""
+    """... and there are no more robots than these: twelve reach 97 to 99 % so, in parts 74 to 77; sixteen 64 to 70."""
     rhythm_time: float = 1.5
     """Who begins splits until it knows how often its large samples come: so long at most [s]."""
     ways_time: float = 10.0
-    """Who begins and broadcasts splits until it knows how long news take, where its large samples may come seldom: so
-    long at most [s]. At 1 s ten robots with equal messages sent in their first 2 s what fits into two windows, and then
-    nothing for 6; they reached 79 to 89 % of a central decider and reach 88 to 92 (three seeds). At 20 ms
-    they reach as much as before."""
+    """Who begins and broadcasts splits so long at most until it knows how long news take [s] (88 to 92 % at 1 s)."""
     dear_time: float = 2.0
     """... a small team changes over when they have for so long [s]: what few samples say of sizes and rates varies."""
     hysteresis: float = 0.8
@@ -58,33 +42,24 @@ class CoordinationTuning:
     large_team: int = 25
     """So many other robots are too many to agree on parts: it takes them half a minute, fifty a whole one."""
     most: float = 0.6
-    """Of such a team all are taken to send where this part is known to: digests come late, and of thirty robots with
-    equal messages 25 were known after 20 s, which meanwhile sent 1.2 to 2.6 limits."""
+    """Of such a team all are taken to send where this part is known to: of thirty 25 were after 20 s."""
     even_parts: float = 3.0
-    """Where announcements cost too much equal parts do if no message is larger than so many of them: to agree on others
-    takes news, too. With five streams of 0.1 to 4 kB each (unicast, 20 ms) twelve robots on 0.48 Mbit/s reached 62 to
-    64 % of a central decider, as they never agreed, and reach 87 to 89; eight reached 70, and reach 90 to 93, four
-    66 to 75, and reach 82 to 92, at most 1.7 % of the windows over...
-    """
+    """Where announcements cost too much equal parts do if no message is larger than so many (87 %, agreeing 62)..."""
     even_robots: int = 3
     """... so many robots have something to send..."""
     even_streams: float = 3.0
     """... and so many streams each, so that they are alike: of robots with one camera who sees more needs more..."""
     even_size: float = 0.02
-    """... where those do not count that are so much smaller than the robot's largest one: sixteen robots, each with a
-    camera, a battery and a position, had equal parts, and sent as many frames that show red as others (optimum 2.3)."""
+    """... where those do not count that are so much smaller than the robot's largest one..."""
     word_size: int = 60
     """Few digests are smaller [B]..."""
     slow_words: float = 2.0
-    """... and where one of each robot to every other takes longer than this within the allowance, a team that could not
-    agree on parts keeps to equal ones [s]; so do the others as soon as..."""
+    """... and where one of each robot to every other takes longer than this, who cannot agree has equal parts [s]..."""
     departed_part: float = 0.25
-    """... this part of a limit is with robots that gave up (`departed.py`)."""
+    """... as soon as this part of a limit is with robots that gave up (`patience.py`)."""
     varied_margin: float = 0.06
-    """Where several robots plan for all, and all large samples vary in size, so much of each limit is left: five robots
-    with samples of random sizes had 0.9 % of windows over the limit at 20 ms instead of 2.9, with the same utility, and
-    2.0 at 100 ms instead of 5.8, with 1.3 % less (unicast). Where whole messages hardly fit a margin would cost one of
-    each window: ten robots with equal messages lost 3 to 10 % by half as much in broadcast."""
+    """Where several plan for all, and all large samples vary, so much of limits is left: 0.9 % over, not 2.9 (20
+    ms)."""
     varied_sizes: float = 0.25
     """Sizes vary that deviate by more than this part of their mean."""
     forming_time: float = 5.0
@@ -92,9 +67,7 @@ class CoordinationTuning:
     agreement_time: float = 6.0
     """Robots that have not agreed on parts for so long [s]..."""
     agreement_news: float = 20.0
-    """... and so many times as long as news take never will: one of them hears nothing of another, or says what nobody
-    else does. They plan for all instead. Of ten robots with equal messages and room for two none had a part for one as
-    long as one of them agreed with nobody, and the team sent nothing for the whole minute of a flight..."""
+    """... and so many times as long as news take never will: they plan for all, else nobody sent for a minute..."""
     retry_time: float = 60.0
     """... and try again so much later [s], and each time in vain twice as late..."""
     longest_retry: float = 960.0
@@ -104,8 +77,7 @@ class CoordinationTuning:
     hollow_windows: float = 6.0
     """... and so many windows..."""
     hollow_patience: float = 5.0
-    """... or, where not all have told by then what they sent and what came, at most so many times as late; they are
-    hollow where..."""
+    """... or so many times as late at most where not all have told; they are hollow where..."""
     hollow_sent: float = 0.8
     """... less than this part of what we generated was sent..."""
     hollow_own: float = 0.7
@@ -113,14 +85,11 @@ class CoordinationTuning:
     hollow_use: float = 0.25
     """... and all of us together, as far as it is confirmed, less than this part of a limit."""
     hollow_untold: float = 0.5
-    """Where somebody has not told what came of a robot, so much of an equal part is believed: of five robots, of whose
-    digests 10 % were lost, one heard nothing of two others for 20 s."""
+    """Where somebody has not told what came of a robot, so much of an equal part is believed."""
     certain_part: float = 0.125
-    """This part of an equal part is left to each robot for small samples whatever others say to have sent, as in
-    `split`."""
+    """This part of an equal part is left to each robot for small samples whatever others say to have sent."""
     certain_message: float = 0.25
-    """A message takes no more than so much of that: else two of 500 B took all of it every time, and half of those of
-    20 B beside them were dropped."""
+    """A message takes no more than so much of that: else two of 500 B took it from half of those of 20 B."""
     whole_part: float = 0.95
     """Who has so much of a limit may take it all for a message that is larger."""
 
@@ -131,58 +100,49 @@ class CoordinationTuning:
     least_limit: float = 1e-6
     """A constraint cannot be zero; this is as good."""
     departure_weight: float = 0.1
-    """How long large samples take to leave: the last one has this weight unless it took longer..."""
+    """How long large samples take to leave: the last has this weight unless it took longer..."""
     longest_departure: float = 0.02
     """... and they take at most so long [s]."""
     stretched_windows: float = 16.0
     """Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
 
     deciding: float = 0.01
-    """What is decided elsewhere is on its way so much later than generated [s]. With half of it five robots with
-    samples of random sizes reached 0.8 % more, with 2.1 % of the windows over the limit instead of 1.2."""
+    """What is decided elsewhere is on its way so much later than generated [s]: with half 2.1 % over, not 1.2."""
     late_deviations: float = 2.0
-    """A sample may come later than it is due by so many standard deviations of that: with one, eight robots sent as
-    many bytes, and 20 times as many windows were over the limit; with three, four robots sent 1 % less..."""
+    """A sample may come so many standard deviations later than due: with one 20 times as many windows were over..."""
     late_part: float = 0.2
-    """... but by no more than this part of the period: where little is known of a rhythm nobody would send for long.
-    With half of the period ten robots with equal messages at loose rhythms reached one percent less (20 ms)."""
+    """... but by no more than this part of the period (ten robots reached one percent less with half of it)."""
     undecided_news: float = 2.0
     """What generates at random and may have given way is undecided for so many times as long as news take."""
     opening_part: float = 0.25
     """Part of the way that news take; without it the room seemed to open too early in 1 % of the windows."""
     larger_deviations: float = 1.5
-    """What may have been sent is so many deviations larger than usual: of four robots with cameras 2 % of the windows
-    were over the limit without this and `opening_part`, by 1 to 3 %, and with both none."""
+    """What may have been sent is so many deviations larger than usual: else 2 % of windows of four robots were over."""
     caution: float = 0.3
-    """What generates at random counts as taken by this power of the probability that it did. Five robots with samples
-    of random sizes reached 94.6 to 97.1 % of a central decider with 0.6 to 2.5 % of windows over at 0.25, 95.3 to 97.8
-    with 1.3 to 3.0 at 0.3, and 95.6 to 98.8 with 2.1 to 3.4 at 0.5 (four seeds; 20 and 100 ms, unicast, broadcast)."""
+    """What comes at random counts as taken by this power of its probability (with 0.25 94.6 to 97.1 %, now 95 to
+    98)."""
     first_time: float = 0.4
     """Who begins to send lets others that may begin at the same moment go first for so long at most [s]..."""
     first_few: int = 2
-    """... where more than so many may: two robots and an operator filled one first window of eight to 1.3 limits, and
-    the others to 0.96..."""
+    """... where more than so many may: two robots and an operator filled one first window of eight to 1.3 limits..."""
     first_apart: float = 0.045
     """... each so much after the one before, or by as much as news take where that is longer [s]."""
     claim_worth: float = 0.2
     """Of what a sample is worth by itself this part counts in a claim."""
     claim_tolerance: float = 0.003
-    """Clocks and the wire round: who has the later name counts as silent for so much longer, or two take their own
-    claim for the best that are as long silent as each other [s]."""
+    """Clocks round: who has the later name counts as silent for so much longer, or both find theirs the best [s]."""
     claim_pays: float = 0.6
-    """Nobody gives way to samples that earn less than this part of what their room costs, nor would smaller ones earn
-    it: with 0.4 twelve robots with large samples at random used a third of the limit, and with 0.6 two thirds."""
+    """Nobody gives way to samples that earn less than this part of their room's cost: with 0.4 twelve robots with large
+    samples at random used a third of the limit, and with 0.6 two thirds."""
     due_samples: int = 16
     """Of bursts the newest sample is among so many of a period."""
 
     worthless: float = 3600.0
     """Messages are worth nothing any more after this [s]."""
     too_late: float = 1.5
-    """Messages that take so many times as long as they are worth anything are not asked for: what takes about as long
-    comes and goes, and each time all would agree anew."""
+    """Messages that take so many times as long as they are worth anything are not asked for."""
     new_stream: float = 4.0
-    """A new stream may generate so many times as much in a window as it has so far: of one sample nobody knows its
-    period, and a robot whose first alarm came asked for two thirds of the limit."""
+    """A new stream may generate so many times as much in a window as so far: an alarm asked for two thirds of all."""
     size_deviations: tuple[float, ...] = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
     """Sizes of a stream are taken to be so many standard deviations from their mean."""
 
@@ -191,8 +151,7 @@ class CoordinationTuning:
     use_known: float = 2.0
     """... and not before it was looked at for so long [s]."""
     use_deviations: float = 1.5
-    """Room for so many standard deviations of what all use is left: with 2.5 fifty robots reached 92.5 % of central
-    instead of 93.6."""
+    """Room for so many standard deviations of what all use is left (2.5: fifty robots 92.5 % of central, not 93.6)."""
     few_deviations: float = 4.0
     """And for as many more as this divided by the robots: half of it left six robots with 3.8 % of the windows over."""
     turn_parts: float = 1.5

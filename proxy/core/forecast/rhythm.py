@@ -1,8 +1,7 @@
 """A rhythm: period, phase and jitter of numbered generation times, by a robust straight line.
 
-Numbers put every time on the circle of one period, so nothing wraps where phases lie near 0. The slope is the median
-over pairs half of the memory apart (a cheap kin of Theil and Sen's); times far from that line are left out, and least
-squares over the others give the estimate.
+The slope is the median over pairs half of the memory apart (a kin of Theil and Sen's); least squares over the times
+that are near that line give the estimate.
 """
 
 from collections.abc import Sequence
@@ -17,10 +16,7 @@ Numbered = tuple[int, float]
 
 
 class Rhythm(NamedTuple):
-    """Sample `number` was due at `origin` [s], others every `period` [s], each `jitter` [s] off its time.
-
-    `jitter` is a standard deviation; `known` samples tell all this.
-    """
+    """Sample `number` was due at `origin` [s], others every `period` [s]; `known` samples tell their `jitter`."""
 
     period: float
     origin: float
@@ -40,19 +36,13 @@ class Rhythm(NamedTuple):
         return self.origin + (number - self.number) * self.period
 
     def uncertainty(self, t: float) -> float:
-        """The standard deviation of the time of a sample that is due at about `t` from when it is due [s].
-
-        Period and phase are known from so many samples, so it grows with the time since.
-        """
+        """The standard deviation of the time of a sample that is due at about `t`; it grows with the time since [s]."""
         known = max(self.known, 2)
         along = max(0.0, t - self.origin) / self.period + 0.5 * (known - 1)
         return self.jitter * sqrt(1.0 + 1.0 / known + 12.0 * along * along / (known * (known * known - 1.0)))
 
     def nudged(self, number: int, t: float, step: float = 1.0) -> "Rhythm":
-        """Return the rhythm with one more sample, weighed as least squares over those `known` would.
-
-        Their numbers are `step` apart on average: the farther, the less one of them tells of the period.
-        """
+        """Return the rhythm with one more sample, weighed as least squares over those `known`, `step` apart, would."""
         due, known = self.due(number), self.known
         weight = 1.0 / (known * (known + 1))
         origin = t if self.wanders else due + (4 * known - 2) * weight * (t - due)
@@ -61,10 +51,9 @@ class Rhythm(NamedTuple):
 
 
 def fit(points: Sequence[Numbered], period: float = 0.0) -> Rhythm | None:
-    """Return the rhythm of generation times, of which numbers and times rise; None for fewer than two.
+    """Return the rhythm of generation times, of which numbers and times rise; None for fewer than two, or none apart.
 
-    There is none either where they are all at about the same time. A given `period` [s] holds as it is: then one time
-    is enough.
+    A given `period` [s] holds as it is: then one time is enough.
     """
     if not points or (len(points) < 2 and not period):
         return None

@@ -1,7 +1,4 @@
-"""The rhythm of a stream as its robot tells it: period, phase and jitter, in five bytes of a digest.
-
-Its robot sees every sample, others those that digests tell of; so nobody need find it again from a few.
-"""
+"""The rhythm of a stream as its robot, which sees every sample, tells it: five bytes of a digest."""
 
 from collections.abc import Callable
 

@@ -65,10 +65,7 @@ class Schedule:
             self._renew()
 
     def observe(self, count: int, t_gen: float, reported: Rhythm | None = None) -> None:
-        """Take in that sample number `count` was generated at `t_gen` [s]. Older news is ignored.
-
-        A rhythm that the stream's robot `reported` holds: it sees every sample.
-        """
+        """Take in that sample `count` was generated at `t_gen` [s], unless it is old; a `reported` rhythm holds."""
         history = self._history
         if count <= history.newest[0]:
             return
@@ -105,10 +102,7 @@ class Schedule:
         return self._pattern.expect(Span(after if now is None else now, after, until, most))
 
     def prospect(self) -> tuple[float, float, float]:
-        """Return when the last sample came, the timeout, and about when the next one comes [s].
-
-        The first one is -∞ and the last one ∞ while they are not known.
-        """
+        """Return when the last sample came (else -∞), the timeout, and about when the next one comes (else ∞) [s]."""
         last = self._history.newest[1]
         return last, self.timeout, last + self.period if self._pattern else math.inf
 
@@ -121,10 +115,7 @@ class Schedule:
         return max(TUNING.timeout_periods * period, TUNING.timeout_gaps * gap)
 
     def _goes_back(self, count: int, t_gen: float) -> bool:
-        """Forget what stands in the way of a sample that comes before the last one; return whether it is to count.
-
-        If it is where it was due, the last one's time was wrong. If that goes on, the clock was set back.
-        """
+        """Forget what stands in the way of a sample that comes before the last one; return whether it counts."""
         self._back += 1
         past = self._history.past
         if len(past) > 1 and t_gen > past[-2][1] and self._tracker.withdraw(count, t_gen):
@@ -137,10 +128,7 @@ class Schedule:
         return True
 
     def _resume(self, sample: Numbered) -> None:
-        """Take in a sample after a pause. Pauses in a row are the gaps of another rate, a few gaps before one of none.
-
-        So a stream that begins with samples close together, or ends with seldom ones, is not over before each of them.
-        """
+        """Take in a sample after a pause. Pauses in a row, a few gaps after no other, are the gaps of another rate."""
         few = self._history.seen <= TUNING.run and self._tracker.rhythm is not None
         if not few and self._history.pauses < TUNING.run:
             self._tracker.resume(*sample)

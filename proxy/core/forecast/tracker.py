@@ -1,8 +1,7 @@
 """Follows the rhythm of a stream through lost samples, outliers, restarts and changes of rate.
 
-A sample near the time that it was due at refines the rhythm. Others are suspects: one alone is an outlier. Three in a
-row are news. If all are off by the same, the phase jumped, and the past moves with it; if they have a period of their
-own, the rate changed, and they are all the past there is; else the stream is looser than it seemed.
+A sample far from where it was due is a suspect, alone an outlier. Three in a row that are off by the same are a phase
+that jumped, three with a period of their own another rate; else the stream is looser than it seemed.
 """
 
 from collections.abc import Sequence

@@ -11,14 +11,10 @@ class ForecastTuning:
     short_memory: int = 16
     """So many generation times tell a rhythm..."""
     memory: int = 48
-    """... and so many a tight one, whose period is known five times as well then: four robots with cameras, which hear
-    of each other now and then, sent 2 % more bytes, and of eight 1.1 % of the windows were over the limit instead of
-    1.7. Bursts and rates are of so many times as well."""
+    """... and so many a tight one, whose period is known five times as well then (1.1 % of windows over, not 1.7)."""
     better_line: float = 1.93
-    """What 48 samples tell holds unless the squares of the last 16 are smaller by this factor on their own line:
-    1 + 2 F / 14 with the 99 % quantile of F(2, 14), so by chance it does not once in a hundred. Where the deviations of
-    two estimates were compared one in five rhythms was of 16 samples, and eight robots with cameras knew no better when
-    another one's next frame was due than by 18 ms after 40 of them; now 5 ms."""
+    """What 48 samples tell holds unless the squares of the last 16 are smaller by this factor on their own line: 1 + 2
+    F / 14 with the 99 % quantile of F(2, 14), so by chance it does not once in a hundred."""
     least_period: float = 1e-4
     """What is faster than times travel is no rhythm [s]."""
     exact: float = 1e-4
@@ -26,8 +22,7 @@ class ForecastTuning:
     far: float = 4.0
     """So many median deviations from the line is too far for the line to be fitted to it."""
     wandering: float = 0.75
-    """Jitter's variance over that of its steps: about 1/2 where deviations are independent; where they add up it is 1
-    with 16 samples,"""
+    """Jitter's variance over that of its steps: 1/2 where deviations are independent, 1 (of 16) where they add up,"""
     walk: float = 96.0
     """and grows as these do, so that the bound does: by one in so many."""
     few: int = 6
@@ -41,8 +36,7 @@ class ForecastTuning:
     unlike: int = 5
     """So many suspects without anything in common are no outliers."""
     seldom: int = 6
-    """A long line is fitted, and the spread of gaps is found, every so many samples: each takes ten times as long as
-    all else together."""
+    """A long line is fitted, and the spread of gaps is found, every so many samples: it takes ten times all else."""
     any_time: float = 0.3
     """With jitter of more than this part of the period a sample may come at any time."""
     tight: float = 0.12
@@ -62,8 +56,7 @@ class ForecastTuning:
     burst_pause: float = 3.0
     """The shortest pause is at least so many times as long as the longest gap within a burst."""
     burst_sizes: int = 2
-    """Of a few bursts the largest has at most so many times the members of the smallest. What goes on for longer than
-    so many times the largest of them is none."""
+    """Of a few bursts the largest has so many times the members of the smallest at most; what is longer is none."""
     most_members: int = 10_000
     """A burst that is reported has so many members at most."""
 

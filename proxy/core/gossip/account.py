@@ -1,8 +1,4 @@
-"""What robots tell each other, booked against the allowance, which the limits leave to it.
-
-It may be spent ahead of time (`digest_budget.py`): then a window holds more digests than the limits leave room for.
-Where that counted against the limits like samples as many windows were over the limit, with the same utility.
-"""
+"""What robots tell each other, booked against the allowance, which the limits leave to it."""
 
 import math
 

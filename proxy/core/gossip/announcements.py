@@ -6,7 +6,7 @@ from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.limits import changes_plans, longest_window, shortest_window, use_of
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import is_broadcast
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 
@@ -31,11 +31,7 @@ class Announcements:
 
     @property
     def needed(self) -> bool:
-        """Whether others plan with what we send: not where each has its part, nor where all have just agreed on them.
-
-        To agree takes all of the allowance; ten robots with equal messages waited for 2 s after that until they could
-        announce what they sent within their parts.
-        """
+        """Whether others plan with what we send: not where each has its part, nor while all agree on parts."""
         coordination = self._coordination
         return coordination.team.must_announce and not coordination.binds and coordination.meanwhile.confined >= 1.0
 
@@ -68,9 +64,7 @@ class Announcements:
     def greets(self, now: float) -> bool:
         """Whether somebody new has to hear, as all plan for all, what we sent that is in a window still.
 
-        Ordinary news have time while a team agrees on parts: eight and ten robots with equal messages that started
-        within 3 s had 3 to 12 % of the first 10 s of windows over the limit in five of eight flights, and have 2.5 in
-        one of sixteen (20 ms).
+        Else five of eight flights had 3 to 12 % of the first 10 s of windows over the limit (20 ms).
         """
         if not (self._greeting and self.needed):
             return False

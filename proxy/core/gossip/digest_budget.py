@@ -1,10 +1,7 @@
 """What robots may tell each other: one bucket of bytes for the whole team, and our part of what is for ordinary news.
 
-Each robot keeps a bucket for the whole team: it fills at the whole rate, and the robot takes out what it tells and what
-it hears. So the robots with most to announce announce most, if need be ahead of time. A part of the allowance is for
-all else, and each robot has an equal share of it: for ordinary news, and for states, questions and answers, which are
-paid for later, by ordinary news: where these went on beside, eight real robots with cameras told 102 % of what they may
-in 27 s, and tell 89.
+Each robot takes what it tells and hears out of a bucket that fills at the whole rate, if need be ahead of time. A part
+is for ordinary news, an equal one of each robot, which pay for states, questions and answers, too.
 """
 
 import math
@@ -118,10 +115,7 @@ GOLDEN = 0.618
 
 
 class DigestBudget:
-    """Spends the allowance of this robot. Each robot begins with another `turn`, between 0 and 1.
-
-    At first there is what the allowance brings in `saved` [s]. `advance` takes in what it has brought by now.
-    """
+    """Spends the allowance of this robot, at first what comes in `saved` [s]; each begins at another `turn`."""
 
     def __init__(self, now: float, turn: float = 0.0, saved: float = 0.0) -> None:
         self.states = StateBudget(MODEL.least_allowance)
@@ -160,9 +154,7 @@ class DigestBudget:
     def follow(self, now: float, *, splits: bool, quiet: bool, begins: bool, window: float) -> None:
         """Each robot has its part or not, and the team `begins` or has done so; `window` is the shortest one [s].
 
-        Where each has its part nobody plans with ordinary news. A large, `quiet` team then tells them in turn: without
-        turns five of fifty robots told them within 15 ms, and some windows held 1.16 limits. Once a team has begun, it
-        does not need what was saved for the first agreement any more, and ordinary news go on, each robot in its turn.
+        A large, `quiet` team tells ordinary news in turn: else five of fifty robots told them at once (1.16 limits).
         """
         if quiet and not self._quiet:
             self._own = min(self._own, -self._turn * self._size * self._copies)
@@ -205,10 +197,8 @@ class DigestBudget:
     def due(self, now: float, *, apart: float, copies: int) -> float:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
-        Digests are so far `apart` at least [s]. This one is taken to be as large as the last one, and we tell no more
-        than an equal part. We wait for room beside what others tell for a second or two at most, and for one window
-        at least where windows are shorter: each of eight robots with cameras tells something every ten seconds, and
-        where two did so at one moment 1.1 % of the windows were over the limit.
+        Digests are so far `apart` at least [s]. For room beside what others tell we wait a second or two at most, one
+        window at least where that is shorter: else two of eight told at one moment (1.1 % over).
         """
         cost, slowest = self._size * copies, TUNING.slowest_digest
         common, own = self._levels(now)
@@ -236,10 +226,7 @@ class DigestBudget:
     def due_in_turn(self, now: float, since: float, seconds: float, copies: int) -> float:
         """When a digest may go out that spends so much ahead of time, if all robots have one since then [s].
 
-        Robots take turns, so that their digests do not come at one moment. Where all digests together take more than
-        the allowance of a window, they are spread over the time that it takes to pay for them: when ten robots answered
-        a new bid at once, up to 9 % of the windows were over the limit, by up to 0.23, though each robot kept its part;
-        now none is.
+        In turn: ten robots that answered a new bid at once had 9 % of the windows over the limit, and have none.
         """
         takes = self._robots * self._brief * copies / self.rate
         turn = since + self._turn * TUNING.answers * takes if takes > self._window else now
@@ -254,9 +241,7 @@ class DigestBudget:
     def _patience_ends(self, cost: float) -> float:
         """Until when we wait for the others to leave room, at most [s]: some time after an equal part paid for it.
 
-        A robot that says fifty digests a second kept all others from saying anything: their parts stayed as they were.
-        What we told last is paid for first: where news of parts took five times the last ordinary news, all together
-        told half more than they may for good.
+        Else a robot that says fifty digests a second silences all others; what we told last is paid for first.
         """
         return self._told_at + TUNING.patience * max(cost, self._told) * self._robots / self.rate
 
@@ -268,10 +253,7 @@ class DigestBudget:
         return cost
 
     def _fits_at(self, now: float, cost: float) -> float:
-        """When so much can be told that no window holds more than its allowance [s].
-
-        The limits leave no more than that to digests. Robots that wait for the same moment speak a little apart.
-        """
+        """When so much can be told that no window holds more than its allowance [s]; each robot a little apart."""
         if self._saved:
             return now
         at = self._recent.fits_at(now, self._window, self.rate * self._window - cost)

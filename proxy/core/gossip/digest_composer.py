@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from proxy.core.congestion.capacity import Capacity
+from proxy.core.congestion.channel import Capacity
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.gossip.digest_budget import EchoBudget
 from proxy.core.gossip.state_announcements import StateAnnouncements

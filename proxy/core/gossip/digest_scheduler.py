@@ -1,12 +1,8 @@
 """When digests go out.
 
-A sample that takes much of a limit is announced as soon as it is sent, ahead of the allowance if need be: it leaves
-less to the others. All other news wait until the allowance has room for them beside announcements.
-
-Announcements are sent again where many robots miss them.
-
-Robots that missed a sample and its announcement took its room for free: where 30 % of all that is broadcast was lost,
-5 to 8 % of the windows of four robots with cameras were over the limit.
+A sample that takes much of a limit is announced as soon as it is sent, ahead of the allowance if need be, and on the
+air again where many robots miss it: at a loss of 30 % 5 to 8 % of the windows of four robots were over the limit. All
+other news wait until the allowance has room for them beside announcements.
 """
 
 import math
@@ -122,10 +118,7 @@ class DigestScheduler:
         return True
 
     def advance(self, now: float, *, urgent: bool, parts_changed: bool, relaxed: bool) -> list[Command]:
-        """Send a digest if one is due; the channel may be `urgent` news, or what we ask for of the limits be new.
-
-        `relaxed`: nobody plans with it, as there is room for all or nobody else sends.
-        """
+        """Send a digest if one is due; `urgent`: the channel is news; `relaxed`: nobody plans with what we tell."""
         self.urgent |= urgent
         self._apart = TUNING.relaxed if relaxed else 0.0
         self._parts_changed |= parts_changed
@@ -177,10 +170,7 @@ class DigestScheduler:
         return min(due, self._budget.due_soon(now)) if self.urgent and not coordination.team.splits else due
 
     def _parts_at(self, now: float) -> float:
-        """When the allowance has room for news of parts [s].
-
-        A robot that changes over to parts speaks while others still announce ahead of the allowance: it may go further.
-        """
+        """When the allowance has room for news of parts [s]; who changes over to parts may go further ahead of it."""
         if not self._coordination.formation.established:
             return self._budget.due_ahead(now, TUNING.first_parts_debt)
         exchange = self._coordination.exchange
@@ -223,10 +213,7 @@ class DigestScheduler:
         return self._send(now, digest, announces=digest.brief or only_parts)
 
     def _statement(self, now: float) -> SplitReport | None:
-        """Return what is to be told of parts in a state: in unicast, where every copy costs as much there.
-
-        Not where limits follow the channel, of which digests tell: three robots heard nothing of it for 4.4 s so.
-        """
+        """Return what is to be told of parts in a state: in unicast, unless digests have to tell of the channel."""
         exchange = self._coordination.exchange
         if exchange is None or not exchange.has_statement:
             return None
@@ -235,11 +222,7 @@ class DigestScheduler:
         return self._coordination.announcement(now)
 
     def _state(self, now: float, report: SplitReport) -> list[Command]:
-        """Tell all of parts in a state.
-
-        A first digest goes beside it, for a robot is heard by its digests: a team that agreed by states alone told none
-        for 17 s, and took none of the samples that it received for those of their robots.
-        """
+        """Tell all of parts in a state, with a first digest beside it: a robot is heard by its digests."""
         self._parts_changed, self._sent_at = False, now
         self._coordination.announced(now, report)
         command = self._states.tell_parts(report, splits=self._coordination.team.votes_to_split)
@@ -266,10 +249,7 @@ class DigestScheduler:
         return self._view.echoes.are_awaited(now) and self._budget.echoes.affords(copies) > 0
 
     def _announcement(self, now: float) -> Digest:
-        """Return what was sent, in as few bytes as that takes, without what is small: that is booked by its rate.
-
-        With it where there was room eight robots with cameras and small samples told 96 % of what they may, now 83.
-        """
+        """Return what was sent, in as few bytes as that takes; what is small is booked by its rate (now 83 % told)."""
         own = list(self._view.streams.own())
         keys = {s.key for s in own if self._announcements.is_large(s)}
         return self._composer.announcement(now, self._news.take(now, own, keys, self._introduces))

@@ -35,8 +35,7 @@ class StreamNews:
     def look(self, revision: int, own: Iterable[Stream]) -> None:
         """Look for news, if anything changed: which streams we have, or what is known of one of them.
 
-        What is news stays news until it is announced. Where a stream was found that was never announced, those that
-        come are no other news: each of thousands of keys had all of them looked at.
+        What is news stays so until it is announced; beside a stream that never was no others are looked for.
         """
         looked = self._looked_at
         if self.waiting and self._revision == looked[2] and (self.unknown or revision == looked[0]):
@@ -51,10 +50,7 @@ class StreamNews:
     def take(
         self, now: float, streams: list[Stream], only: Container[str] | None = None, new: Container[str] = ()
     ) -> tuple[StreamDigest, ...]:
-        """Return news of streams to announce now, the most changed first, and some that may have been lost.
-
-        Where `only` is given, it is news of these keys that sent something since, and of those that are `new`.
-        """
+        """Return news of streams to announce, the most changed first, or `only` of those that sent or are `new`."""
         self._revision += 1
         known = {s.key for s in streams}
         self._announced = {key: announced for key, announced in self._announced.items() if key in known}
@@ -86,8 +82,8 @@ class StreamNews:
     def introduces(self, stream: Stream) -> bool:
         """Whether a stream was not announced yet, or its rhythm was not known then and is now: others wait for that.
 
-        Where large ones waited for the allowance eight robots with cameras did not know for 3 s when frames of others
-        were due: 14 % of the windows of their first 8 s were over the limit, and 5 are now (four seeds).
+        Else eight robots with cameras had 14 % of the windows of their first 8 s over the limit, and have 5 (four
+        seeds).
         """
         announced = self._announced.get(stream.key)
         if announced is None:

@@ -23,9 +23,7 @@ class GossipTuning:
 
     # Shares of the allowance.
     digests: float = 0.95
-    """For digests, the rest for states: with all of it for digests robots told 103 to 105 % of what they may, and tell
-    97 to 99 % now (four with cameras, five with samples of random sizes). Where limits follow the channel digests tell
-    of it, and have all."""
+    """For digests, or all where limits follow the channel: with all of it robots told 103 to 105 % of what they may."""
     ordinary: float = 0.2
     """For all but announcements, beside what these do not need."""
     ordinary_on_channel: float = 0.7
@@ -37,9 +35,8 @@ class GossipTuning:
     echoes_ahead: float = 600.0
     """What echoes may take ahead of that [B]: without any nobody knows how long the way is."""
     patience: float = 2.0
-    """A robot waits for the others to leave it room no longer than this many times what its equal part takes to pay for
-    a digest. Beside one that said fifty a second, two of four robots with cameras that went on alone used 28 % of the
-    limit for good."""
+    """A robot waits for the others to leave it room for so many times what its equal part takes to pay for a digest:
+    beside one that said fifty a second two of four robots used 28 % of the limit for good."""
     answers: float = 1.5
     """What all robots answer takes so many times what the allowance has room for meanwhile: other news go on beside."""
     fewest_sends: float = 2.0
@@ -49,16 +46,12 @@ class GossipTuning:
     announcement_debt: float = 5.0
     """Ahead of time on announcements [s]."""
     overheard_debt: float = 1.0
-    """The same where samples are overheard [s]: eight robots with many small streams told 117 % of what they may in
-    12 s, as they never paid what they owed, and tell 100, twelve 122 and tell 102; and..."""
+    """The same where samples are overheard [s] (eight robots told 117 % of what they may in 12 s, and tell 100)..."""
     overheard_loss: float = 0.05
-    """... less than this part of them is lost: where 30 % is 15 to 34 % of the windows were over the limit with 1 s or
-    none, and 3 to 6 with all of it."""
+    """... and less than this part of them is lost: at 30 % 15 to 34 % of the windows were over, not 3 to 6."""
     retransmission_debt: float = 2.5
-    """Ahead of time on announcing again [s]. With 1 s, where 30 % of all that is broadcast was lost, a fifth of the
-    repetitions never went out and some a second late, as ordinary news had taken their room: 16 % of the windows of ten
-    robots with equal messages, most important, were over the limit, now 10 (five seeds). With 5 s it was 6 (three),
-    but five robots with samples of random sizes told 117 % of what they may in 20 s instead of 108."""
+    """Ahead of time on announcing again [s]: at 30 % lost ten robots had 16 % of the windows over the limit with 1 s,
+    10 with this, 6 with 5, but five with samples of random sizes told 117 % of what they may then instead of 108."""
     first_parts_debt: float = 10.0
     """Ahead of time on the first agreement on parts [s]."""
     parts_debt: float = 0.5
@@ -72,27 +65,23 @@ class GossipTuning:
     deepest_debt: float = 10.0
     """Owed at most [s]: who tells more than its part silences nobody for long."""
     deepest_state_debt: float = 50.0
-    """Owed at most for states, questions and answers [s]: honest teams owe less than 40 s in simulation. After 50
-    questions a second for a minute a robot told nothing new of its state for 16 minutes and more."""
+    """Owed at most for states, questions and answers [s]: else floods of questions silenced a robot for 16 minutes."""
 
     # When digests go, and what is in them.
     slowest_digest: float = 1.0
     """A digest goes out at least this often, and each peer is echoed at most so often [s]."""
     nothing_sent: float = 3.0
-    """The same in unicast where nobody sends anything, and the ways are known [s]: digests were half of what an idle
-    robot of eleven did."""
+    """The same in unicast where nobody sends, and ways are known [s]: half of what an idle robot of eleven did."""
     relaxed: float = 0.25
     """Where there is room for all, or nobody else sends, ordinary news are so far apart at least [s]: a digest for each
-    of 200 small samples per second took half of the sender's time, and more than half of the receiver's, and with 0.1
-    each sample took 15 % longer than with this. Where limits follow the channel digests tell of it, and go on."""
+    of 200 small samples per second took half of the sender's time. Not where limits follow the channel."""
     digests_apart: float = 1e-3
     """Two digests are so far apart at least [s]: each is told from the others by its time."""
     parts_apart: float = 0.05
     """Digests with news of parts are so far apart at least [s]."""
     unhurried: float = 60.0
     """Where nobody plans with it ordinary news wait for the allowance of all for so long [s]; not where digests tell of
-    the channel: after agreeing on parts three robots told nothing for 3 to 5 s then, which was taken for a queue, and
-    sent 10 to 40 % less."""
+    the channel, where three robots silent for 3 to 5 s sent 10 to 40 % less."""
     streams: int = 32
     """News of at most this many streams in one digest..."""
     news_bytes: int = 6144
@@ -124,9 +113,8 @@ class GossipTuning:
     states_apart: float = 0.2
     """States follow each other at least this far apart [s]."""
     gather: float = 0.25
-    """New streams that are not large are announced so late, together with others that begin with them [s]; large ones
-    at once, ahead of the allowance: where the next state waited for that, eight robots knew of each other's cameras
-    after 2 to 5 s, and two to five sent at one moment."""
+    """New streams that are not large are announced so late, together [s]; large ones at once, ahead of the allowance:
+    else eight robots knew of each other's cameras after 2 to 5 s."""
     pushes_apart: float = 2.0
     """Who comes to a large team hears of subscriptions together with all who come within so long [s]."""
     review_every: float = 1.0
@@ -134,9 +122,7 @@ class GossipTuning:
     period_change: float = 0.1
     """Periods are estimates: only one that moved by this part of the longer one is news."""
     random_period_change: float = 0.5
-    """The same where samples come at random: what 32 of them show varies by a sixth without any news, what the first
-    few show by a half. Five such robots told 122 % of what they may with a tenth, and the alarms of eight robots with
-    cameras took a tenth of the allowance with three tenths."""
+    """The same where samples come at random, as 32 of them vary by a sixth (with a tenth robots told 122 %)."""
     size_change: float = 0.5
     """Sizes are news from this change on, as every digest has them."""
     wall_clock_step: float = 1e-3

@@ -12,8 +12,7 @@ from proxy.core.protocol.messages import Digest, State
 class Decide:
     """Search `problem` with `seed` for at most `iterations`; answer with `DecisionReady(ticket)`.
 
-    The event that led to it happened at `asked` [s]. The deadline counts from then; when it passes without an answer
-    the driver sends `DecisionLate(ticket)`. With `ahead` it is about what others should send, and no sample waits.
+    The deadline counts from `asked` [s]; when it passes the driver sends `DecisionLate(ticket)`.
     """
 
     ticket: int
@@ -21,7 +20,6 @@ class Decide:
     seed: int
     iterations: int
     asked: float
-    ahead: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +63,8 @@ class SendCopy:
 class TellBacklog:
     """Tell the robot with the tag `to` for which keys copies wait for it: new samples of these overtake the copies.
 
-    `keys` are None where there are too many to name, or one that others do not read. The message with the greatest
-    `number` holds. With `grows` it names keys that the last one did not; else it must not overtake copies that were
-    sent before.
+    `keys` are None where they cannot be named. The greatest `number` holds. Unless it `grows` it must not overtake
+    copies.
     """
 
     to: str

@@ -1,12 +1,11 @@
-"""What can happen to the core. Times are seconds on the daemon's monotonic clock, sizes are bytes.
-
-A sample's payload stays with the driver; the core speaks of it by the integer `sample` the driver gave it.
-"""
+"""What can happen to the core, in [s] on the daemon's monotonic clock and [B]; `sample` is the driver's number."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 from planner import Plan
+from proxy.core.interface.commands import Command
 from proxy.core.model.mode import Mode
 from proxy.core.protocol.messages import Digest, State
 from utility_specs import Specs
@@ -23,10 +22,8 @@ class Event:
 class SamplePublished(Event):
     """An app on this robot published a sample that an information type covers.
 
-    `t_gen` is its generation time, `origin` the id inside its timestamp (hex, None: unstamped by the app),
-    `priority` is Zenoh's (1 real time … 7 background), `features` what its type extracts. `delete` marks a
-    deletion of the key: it passes. `superseded` samples of the stream gave way to it: they came since the last event of
-    the stream.
+    `origin` is the id inside its timestamp (hex, None: unstamped by the app), `priority` Zenoh's (1 real time … 7
+    background), `delete` a deletion of the key; `superseded` samples gave way to it since the last event of the stream.
     """
 
     sample: int
@@ -201,8 +198,7 @@ class ModeChanged(Event):
 class DecisionReady(Event):
     """The worker's answer to a `Decide`; `plan` is None when the planner failed with `error`.
 
-    `overhead` is the time since the event that asked for it less that of the search after its first iteration [s]. The
-    search was `cut` if it ended for want of time, before all its iterations were done and nothing was left to find.
+    `overhead` is all but the search after its first iteration [s]; that was `cut` if it ended for want of time.
     """
 
     ticket: int
@@ -222,3 +218,13 @@ class DecisionLate(Event):
 @dataclass(frozen=True, slots=True)
 class TimePassed(Event):
     """Nothing happened but time; the driver sends it at the core's `wake_at` at the latest."""
+
+
+class Taker(Protocol):
+    """Takes in events, and says what is to be done: a core, or whoever stands before one and notes what it does."""
+
+    def handle(self, event: Event) -> list[Command]:
+        """Take in one event; return what is to be done, in order."""
+
+    def pass_on(self, event: Event) -> list[Command] | None:
+        """Do the same, if all that is to be done is to send a sample on or to note that it went; None: it is not."""

@@ -1,13 +1,8 @@
 """What is disputed: which streams the tree decides on, and what the others are booked for.
 
-How streams stand is weighed a few times a second (`prices.py`). What undisputed and priced streams use in a window is
-booked as load, the *reserve*: contested messages compete for the rest of each limit, so that small samples always find
-room, and the tree holds contested messages alone. Where nothing is contested nothing is reserved. A contested message
-that finds no room waits while what we sent ourselves leaves the window (`room.py`), and plans know it: their windows
-are shorter by as much as samples may be late.
-
-With a camera of 26 kB beside odometry, telemetry, a log and alarms one decider filled 82 % of 1 Mbit/s for one robot
-and 90 % for four, where trees of 60 messages of all streams filled 68 and 11 %.
+What undisputed and priced streams use in a window is booked as load, the *reserve*: contested messages compete for the
+rest of each limit, and wait for what we sent to leave the window (`room.py`). With a camera of 26 kB beside small
+streams one decider filled 82 % of 1 Mbit/s for one robot and 90 for four so, and 68 and 11 with trees of all streams.
 """
 
 import math
@@ -15,21 +10,16 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from proxy.core.market.pace import at_pace, pace_part
-from proxy.core.market.rows import Rows
-from proxy.core.market.standing import UNKNOWN, Amounts, Row, Standing, Weighed, reserve
+from proxy.core.market.room import at_pace, pace_part
+from proxy.core.market.standing import UNKNOWN, Amounts, Row, Rows, Standing, UnderWay, Weighed, reserve
 from proxy.core.market.tuning import TUNING
-from proxy.core.market.under_way import UnderWay
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
-from proxy.core.view.stream import Sent, Stream, excess
+from proxy.core.view.stream import Place, Sent, Stream, excess
 from proxy.core.view.view import SharedView
 
 if TYPE_CHECKING:
     from proxy.core.market.prices import Market
-
-Place = tuple[str, str]
-"""The robot and key of a stream."""
 
 
 class Disputes:
@@ -71,7 +61,7 @@ class Disputes:
     def advance(self, now: float, limits: tuple[Limit, ...], *, alone: bool, deciding: Stream | None = None) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
-        It is sooner where a sample is to be decided of a stream that is new, or that generated only half as many then.
+        Sooner for the one `deciding`, if it is new, or generated half as many then.
         """
         new = deciding is not None and self._knew_little(deciding)
         pause = TUNING.interval_each * len(self._weighed)
@@ -83,11 +73,11 @@ class Disputes:
         self.due_at = math.inf
         view, self.weighed_at, self._limits, self._alone = self._view, now, limits, alone
         competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
-        self._generated = {_place(stream): stream.generated for stream in competing}
+        self._generated = {stream.place: stream.generated for stream in competing}
         rows = self._rows.of(now, competing, limits) if limits else []
         if alone:
             rows = [row for row in rows if row.has_room(limits)]
-        places = [_place(row.stream) for row in rows]
+        places = [row.stream.place for row in rows]
         self._market, weighed = None, list[Weighed]()
         if rows:
             from proxy.core.market.prices import Market
@@ -100,18 +90,15 @@ class Disputes:
 
     def _knew_little(self, stream: Stream) -> bool:
         """Whether far more is known of a stream now than when it was weighed how streams stand."""
-        then = self._generated.get(_place(stream), 0)
+        then = self._generated.get(stream.place, 0)
         return then < TUNING.rate_samples and stream.generated >= 2 * then
 
     def weighed(self, stream: Stream) -> Weighed:
         """Return how a stream stands."""
-        return self._weighed.get(_place(stream), UNKNOWN)
+        return self._weighed.get(stream.place, UNKNOWN)
 
     def last_prices(self, now: float, limits: tuple[Limit, ...]) -> Amounts | None:
-        """Return what a unit of each limit cost when streams were weighed last; None where that is long ago.
-
-        Or where other limits are in force now.
-        """
+        """Return what a unit of each limit cost when streams were weighed last; None: long ago, or other limits."""
         named = [limit.name for limit in limits]
         if self.weighed_at < now - TUNING.known or [limit.name for limit in self._limits] != named:
             return None
@@ -119,7 +106,7 @@ class Disputes:
 
     def standing(self, now: float, stream: Stream, sample: Waiting) -> Standing:
         """Return how a sample of ours stands: undisputed, contested or hopeless."""
-        known = self._weighed.get(_place(stream)) or self._weighed_alone(now, stream)
+        known = self._weighed.get(stream.place) or self._weighed_alone(now, stream)
         if abs(known.scale - sample.scale) > TUNING.alike * known.scale:
             return Standing.CONTESTED
         if known.standing is not Standing.PRICED:
@@ -203,18 +190,15 @@ class Disputes:
         self.late = TUNING.late_period * min(periods, default=0.0) if few else 0.0
         own = [] if self._alone else [row for row in contested if self._own(row.stream)]
         largest = max(own, key=lambda row: at_pace(row.use, limits), default=None)
-        self.stretched = 0.0 if largest is None else TUNING.paced_ahead * self._occupies(largest)
-
-    def _occupies(self, row: Row) -> float:
-        """Return how long a sample of a stream of ours keeps the channel busy [s]."""
-        return pace_part(self._view, row.stream, self._limits) * at_pace(row.use, self._limits)
+        self.stretched = 0.0
+        if largest is not None:
+            occupies = pace_part(self._view, largest.stream, limits) * at_pace(largest.use, limits)
+            self.stretched = TUNING.paced_ahead * occupies
 
     def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float]) -> Amounts:
         """What robots that were met lately use of each limit, besides what is known of them, if they are like us.
 
-        Their states come late in large teams: eight robots that met had 20 to 40 % of the windows of the first 6 s over
-        the limit without it, 1 to 5 % with it. Who is known to send nothing is left out: an operator cost four robots
-        2 % of their bytes for 10 s.
+        Eight robots that met had 20 to 40 % of the first 6 s of windows over the limit without it, 1 to 5 % with it.
         """
         limits, me = self._limits, self._view.settings.robot
         met = (
@@ -269,7 +253,3 @@ class Disputes:
 
     def _own(self, stream: Stream) -> bool:
         return stream.robot == self._view.settings.robot
-
-
-def _place(stream: Stream) -> Place:
-    return stream.robot, stream.key

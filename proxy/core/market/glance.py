@@ -1,13 +1,8 @@
-"""What can be said of streams at any moment without changing anything: for who only looks, such as the status.
-
-What decisions need is worked out now and then and remembered. Whoever asked that of the same parts would have them look
-at other moments than otherwise, and so change later decisions.
-"""
+"""What can be said of streams at any moment, such as in the status, without changing what later decisions remember."""
 
 from proxy.core.market.standing import Amounts, Row, count_new, row_of
 from proxy.core.model.limits import Limit
-from proxy.core.view.audience import Audience, audience_of
-from proxy.core.view.paths import Fan
+from proxy.core.view.audience import Audience, Fan, audience_of
 from proxy.core.view.stream import Sent, Stream
 from proxy.core.view.view import SharedView
 
@@ -26,10 +21,7 @@ class Glance:
         self._latencies: dict[tuple[str, int, tuple[str, ...]], float | None] = {}
 
     def wanted(self, stream: Stream) -> tuple[int, float | None]:
-        """Return how many robots want a stream, and what its last sample takes to them, in the mean [s].
-
-        None if nobody wants it.
-        """
+        """Return how many robots want a stream, and what its last sample takes to them in the mean [s], if any do."""
         wanting = self._view.subscribers.of(stream)
         if not wanting:
             return 0, None
@@ -49,10 +41,7 @@ class Glance:
         return None
 
     def prices(self, limits: tuple[Limit, ...], *, alone: bool) -> Amounts:
-        """Return what a unit of each limit costs now [utility·s]: what the last unit earns when streams use them up.
-
-        `alone`: the limits are our part, so only our own streams compete for them.
-        """
+        """Return what a unit of each limit costs [utility·s]; `alone`: only our own streams compete for our part."""
         view, own = self._view, self._view.settings.robot
         competing = [s for s in view.contention.all(self._now) if not alone or s.robot == own] if limits else []
         new = count_new(self._now, competing, limits)

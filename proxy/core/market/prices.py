@@ -1,13 +1,9 @@
 """What a unit of each limit costs, and how each stream stands at that price.
 
-At its *price* (`planner/steady.py`) all streams together use a limit up and no more. A stream whose messages are small
-is decided by the price alone: what is lost by rounding is less than a message. It is *undisputed* when even the last
-of its samples a second earns its price, so that all are sent. It is *priced* when that holds for some: it sends at the
-interval that pays best. It is *hopeless* when even its first sample earns far less. All others are *contested*: where
-a window holds few messages, which of them go together only the tree can say.
-
-With 250 streams of 0.1 to 4 kB under 2 Mbit/s one decider reached 99 % of the bound at 0.4 ms a sample; 76 % at 2 ms
-when all of them went to the tree.
+At its *price* (`planner/steady.py`) all streams together use a limit up. Where messages are small a stream is
+*undisputed* when even the last of its samples a second earns that, *priced* when some do: it sends at the interval that
+pays best. It is *hopeless* when even the first earns far less. All others are *contested*: the tree decides. With 250
+small streams under 2 Mbit/s one decider reached 99 % of the bound so at 0.4 ms a sample; with the tree 76 at 2.
 """
 
 import math
@@ -41,10 +37,7 @@ class Market:
 
     @classmethod
     def of(cls, rows: Sequence[Row], limits: tuple[Limit, ...], horizon: int) -> tuple[Self, Steady]:
-        """Return the market of all that competes, and what each of these streams earns.
-
-        Plans look at `horizon` messages.
-        """
+        """Return the market of all that competes, and what each stream earns; plans look at `horizon` messages."""
         steady = _steady(rows)
         rates = np.array([c.limit / c.window for c in limits])
         prices = clearing_prices(steady, TUNING.offered * rates)
@@ -110,10 +103,7 @@ def _small(rows: Sequence[Row], limits: Sequence[Limit], horizon: int) -> float:
 
 
 def _varying(rows: Sequence[Row], steady: Steady, prices: Floats, limits: Sequence[Limit]) -> Floats:
-    """Return by what part of each limit what streams send at these prices varies from one window to the next.
-
-    Large messages are left out: what of them goes together the tree says.
-    """
+    """Return by what part of each limit what streams send at these prices varies by window, without large messages."""
     best, _ = steady.pays_best(steady.value - steady.rate * steady.charge(prices)[:, None])
     apart = steady.apart[np.arange(len(rows)), best].tolist()
     found = []

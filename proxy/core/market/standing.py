@@ -7,10 +7,12 @@ from enum import Enum
 from typing import NamedTuple
 
 from planner import Aggregation
+from planner.measures import Measure
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.view.audience import Audience
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Generated, Stream
+from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import initial
 
 Amounts = tuple[float, ...]
@@ -27,11 +29,10 @@ class Standing(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Weighed:
-    """How a stream stands whose samples are worth `scale`.
+    """How a stream stands whose samples are worth `scale`: it comes every `interval`, should be sent every `apart` [s].
 
-    It generates every `interval`, and is expected to send every `apart` [s]; without end when nothing of it pays.
-    The room of a sample costs so much; one earns `least` where all are sent, `most` where hardly any is [utility·s].
-    Each unit of its excess loses it `relief` a second until it sends, where it is one of `current` [1/s].
+    A sample's room costs so much; it earns `least` where all are sent, `most` where hardly any is [utility·s]. Each
+    unit of excess loses it `relief` a second, where it is one of `current` [1/s].
     """
 
     standing: Standing
@@ -54,8 +55,8 @@ UNKNOWN = Weighed(Standing.CONTESTED, 0.0, 0.0, 0.0)
 class Row(NamedTuple):
     """A stream as it is weighed: its mean `interval`, the `age` of its samples at receipt [s], what a sample uses.
 
-    Of each limit it uses the mean and, where sizes vary, the deviation. `scale` counts all receivers, and so does what
-    each unit of excess loses a second in a stream of `current`, `relief` [1/s].
+    Of each limit the mean and the deviation. `scale` and `relief`, the loss of a unit of excess [1/s], count all
+    receivers.
     """
 
     stream: Stream
@@ -81,10 +82,7 @@ class Row(NamedTuple):
 def row_of(
     now: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
 ) -> Row:
-    """Return what there is to know of a stream whose samples go to this audience, in so many copies.
-
-    So many streams are `new` that compete.
-    """
+    """Return a stream whose samples go to this audience, in so many copies, as a row; so many are `new`."""
     size = round(stream.sizes.mean)
     use = use_of(size, copies, limits, own=own)
     more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
@@ -102,8 +100,7 @@ def row_of(
 def interval_among(now: float, stream: Stream, limits: Sequence[Limit], *, own: bool, new: int) -> float:
     """Return the mean time between samples of a stream that competes for these limits, and so many that are `new` [s].
 
-    What others do not tell of goes on as it did: eight robots with cameras kept no room for the small samples of some
-    of them, as if they were silent, and windows were over the limit by 5 %.
+    What others do not tell of goes on as it did: else windows of eight robots were over the limit by 5 %.
     """
     until = stream.touched if not own and _is_periodic(stream) else now
     return interval_of(until, stream, min([c.window for c in limits]), new=new)
@@ -137,9 +134,8 @@ def variance_of(stream: Stream, count: float, use: float, deviation: float) -> f
 def interval_of(now: float, stream: Stream, window: float, most: float = 2.0, new: int = 1) -> float:
     """Return the mean time between samples [s].
 
-    A new stream generates in a window at most so many times as many as so far, and no faster than it did with two more;
-    of many that are `new` not all generate more than expected. Of 2,000 keys of one sample each all seemed to go on for
-    so long that other small samples of their robot were dropped for 7 s, and now are for 2.
+    A new stream generates in a window at most so many times as many as so far, and no faster than with two more; of
+    many that are `new` not all do: of 2,000 keys of one sample each all seemed to go on for 7 s, and do for 2.
     """
     if rate_known(now, stream, window):
         return stream.period
@@ -168,3 +164,81 @@ def _spread(stream: Stream, count: float) -> float:
 
 def _is_periodic(stream: Stream) -> bool:
     return stream.schedule.kind.startswith("periodic")
+
+
+class UnderWay(NamedTuple):
+    """What others may just have sent of each limit, undisputed: the mean and the variance of what they use in a second.
+
+    Eight robots with streams of 2 to 10 Hz had 10 % of the windows over the limit without it (2 and 20 ms, broadcast),
+    and have 7 and 5, for 3 and 2 % of the utility.
+    """
+
+    mean: Amounts = ()
+    variance: Amounts = ()
+
+    @classmethod
+    def of(cls, sending: Sequence[tuple[Row, float]], limits: int) -> "UnderWay":
+        """Return it of streams of others, each with how far apart it sends [s], under so many limits."""
+        mean = tuple([sum([row.use[k] / apart for row, apart in sending]) for k in range(limits)])
+        return cls(mean, tuple([sum([row.use[k] ** 2 / apart for row, apart in sending]) for k in range(limits)]))
+
+    def beside(self, use: Amounts, time: float) -> Amounts:
+        """Return the use of a message, and of what is under way beside it where news take so long [s]."""
+        if len(use) != len(self.mean):
+            return use
+        return tuple(
+            [
+                u + time * mean + math.sqrt(time * variance) if u > 0.0 else u
+                for u, mean, variance in zip(use, self.mean, self.variance, strict=True)
+            ]
+        )
+
+
+class _Known(NamedTuple):
+    """A row, and what it was made of: while that is the same, only the interval may be another one, as time passes."""
+
+    changes: int
+    last: Generated
+    audience: Audience
+    copies: int
+    row: Row
+
+
+class Rows:
+    """Of the streams that were asked for last, worked out anew only when one changed: of a hundred 0.4 ms, not 0.9."""
+
+    def __init__(self, view: SharedView) -> None:
+        self._view = view
+        self._measured: list[Measure] = []
+        """How what rows tell the use of was measured."""
+        self._known: dict[Stream, _Known] = {}
+        self._new = 1
+        """So many of these streams are new."""
+
+    def of(self, now: float, streams: Iterable[Stream], limits: tuple[Limit, ...]) -> list[Row]:
+        """Return a row of each of the streams that compete for these limits."""
+        streams = list(streams)
+        measured = [limit.measure for limit in limits]
+        before = self._known if measured == self._measured else {}
+        self._measured, self._known, self._new = measured, {}, count_new(now, streams, limits)
+        return [self._row(now, stream, limits, before.get(stream)) for stream in streams]
+
+    def one(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> Row:
+        """Return the row of a stream that was not among them."""
+        view = self._view
+        audience, copies = view.audiences.of(now, stream), view.subscribers.copies(stream)
+        return row_of(now, stream, audience, copies, limits, own=self._own(stream), new=self._new)
+
+    def _row(self, now: float, stream: Stream, limits: tuple[Limit, ...], known: _Known | None) -> Row:
+        view = self._view
+        audience, copies = view.audiences.of(now, stream), view.subscribers.copies(stream)
+        if known is None or known[:4] != (stream.changes, stream.last, audience, copies):
+            row = row_of(now, stream, audience, copies, limits, own=self._own(stream), new=self._new)
+            self._known[stream] = _Known(stream.changes, stream.newest, audience, copies, row)
+            return row
+        self._known[stream] = known
+        interval = interval_among(now, stream, limits, own=self._own(stream), new=self._new)
+        return known.row if interval == known.row.interval else known.row._replace(interval=interval)
+
+    def _own(self, stream: Stream) -> bool:
+        return stream.robot == self._view.settings.robot

@@ -1,8 +1,7 @@
-"""Undersubscribed limits: what all streams are to be expected to send fits easily, so nothing has to be dropped.
+"""Undersubscribed limits: all streams fit easily, so samples go without a search.
 
-Then samples go without a search. Of new streams nobody knows what they need: it is taken that they generate as many
-again as they did so far. That is doubtful, so their first samples are decided unless it is a small part of every limit,
-or many samples wait, as in a burst: then a search for each would take longer than they are worth.
+New streams are taken to generate as many again as they did so far; their first samples are decided unless that is a
+small part of every limit, or many samples wait.
 """
 
 from collections.abc import Sequence
@@ -58,17 +57,14 @@ class Undersubscribed:
 
     def note(self, now: float, stream: Stream) -> None:
         """A stream has generated a sample."""
-        place, needed = (stream.robot, stream.key), need(self._view, stream, self._for[0], now)
+        place, needed = stream.place, need(self._view, stream, self._for[0], now)
         before = self._needs.get(place, (0.0,) * len(needed))
         self._needs[place] = needed
         (self._new.add if stream.generated < TUNING.rate_samples else self._new.discard)(place)
         self._total = tuple([t + n - b for t, n, b in zip(self._total, needed, before, strict=True)])
 
     def fits(self, held: Sequence[float], waiting: int, times: float = 1.0) -> bool:
-        """Whether all fits into what is `held` of each limit: what our own streams need, if we hold it alone.
-
-        So many samples wait besides the one that is to be decided. Whether so many `times` as much would fit.
-        """
+        """Whether all, so many `times`, fits into what is `held` of each limit, while so many other samples wait."""
         new = self._new and waiting <= TUNING.many_waiting
         part = (TUNING.undersubscribed_new if new else TUNING.undersubscribed) / times
         return all(total <= part * amount for total, amount in zip(self._total, held, strict=True))

@@ -13,10 +13,7 @@ from utility_specs import ConstraintSpec, Specs
 
 @dataclass(frozen=True, slots=True)
 class Limit(Constraint):
-    """A constraint in force, and the measure of what messages use of it.
-
-    `least` is the part of it that holds whatever the channel does: below 1 the limit is adaptive.
-    """
+    """A constraint in force, and the measure of what messages use; adaptive below a `least` part of 1."""
 
     measure: Measure
     least: float = 1.0
@@ -33,10 +30,9 @@ Send = tuple[float, tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The constraints of a problem, and what was sent that counts against them, oldest first.
+    """The constraints of a problem, and what was sent that counts against them, oldest first, by us and by others.
 
-    `sent` are our own sends, `others` those of other robots. `alone`: the constraints are our part, so only our own
-    streams compete for them. `agreed`: all plans say the same of what others may just have sent.
+    `alone`: they are our part, for our streams only. `agreed`: all plans say the same of what others may have sent.
     """
 
     union: tuple[Limit, ...]
@@ -47,10 +43,7 @@ class Limits:
 
 
 def limits_of(specs: Specs, allowance: float, robots: int) -> tuple[Limit, ...]:
-    """Return the constraints in force for messages: what the specs allow, less the digests of so many robots.
-
-    Those that robots share come first, so that a number means the same one to all of them.
-    """
+    """Return the constraints in force, less the digests of so many robots; those that all share come first for all."""
     ordered = sorted(specs.constraints, key=lambda spec: spec.measure.private)
     return tuple(_limit(spec, allowance, robots) for spec in ordered)
 

@@ -5,23 +5,34 @@ from dataclasses import dataclass
 from typing import Literal
 
 from proxy.core.model.mode import Mode
-from proxy.core.model.transport import UNICAST
+
+UNICAST = "unicast"
+"""A sample is sent once to each robot that wants it; else `broadcast` and the group: others do not hear each other."""
+_BROADCAST = "broadcast"
+
+
+def broadcast(group: str) -> str:
+    """Name the transport that sends a sample once, to all on a multicast group."""
+    return f"{_BROADCAST} {group}"
+
+
+def is_broadcast(transport: str) -> bool:
+    """Whether one transmission reaches all."""
+    return transport.startswith(_BROADCAST)
 
 
 @dataclass(frozen=True, slots=True)
 class CoreSettings:
     """Settings of one robot's core.
 
-    `horizon` counts contested messages, `horizon_time` and `settle` are seconds, `allowance` is the share of every
-    limit that all digests together may use (at least 100 B/s per robot), `floor` the part of a limit that a newcomer
-    may use before all others know of it, `margin` what all who plan for all leave of every shared limit (nothing: 5 to
-    15 % cost 2 to 6 % of utility), `inbox` the samples that may wait for a decision and `inbox_bytes` their size,
-    `backlog` those of one stream where each sample counts, `transport` how samples travel (`transport.py`),
-    `relayed` says that robots meet at a router: a sample goes on the air to it, and then once to each robot that wants
-    it. `digests_on_air` says that digests are broadcast, as samples are. A decision may take `deadline` [s] from the
-    event that asked for it on; windows are thinned where it would not do. `version` is that of
-    Sendworthy. `away` is how long samples of which each counts are kept for a robot that has vanished [s]; 0.0: the
-    driver cannot keep them.
+    `horizon` counts contested messages, `horizon_time`, `settle` and `deadline`, from the event that asked on, are
+    seconds.
+
+    `allowance` is the share of every limit that all digests may use (at least 100 B/s per robot), `floor` the part that
+    a newcomer may use unknown, `margin` what all who plan for all leave (nothing: 5 to 15 % cost 2 to 6 % of utility).
+    `inbox`, `inbox_bytes` and, of a stream where each counts, `backlog` bound the samples that wait. `relayed`: robots
+    meet at a router. `digests_on_air`: digests are broadcast. `away`: how long samples are kept for a robot that
+    vanished [s]; 0: not.
     """
 
     robot: str

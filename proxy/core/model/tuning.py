@@ -16,8 +16,7 @@ class ModelTuning:
     large: float = 0.02
     """What takes more than this part of a limit is announced at once when it is sent, as what was sent together is."""
     planned_windows: float = 4.0
-    """Plans reach this many of the longest window of a limit: with random sizes and times 93.5 % of the bound, and 92.3
-    where they reached two expected sends of every stream besides."""
+    """Plans reach this many of the longest window of a limit (93.5 % of the bound; with two sends of all 92.3)."""
     utilities: int = 256
     """Utilities whose lifetimes are remembered."""
 

@@ -6,10 +6,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """A sample that waits. `worth` orders evictions: value per byte; `priority` is Zenoh's, 1 the highest.
-
-    `to` is the tag of the only robot that it is for, if it is a copy.
-    """
+    """A sample that waits; `priority` is Zenoh's, 1 the highest, `to` the tag of the only robot that a copy is for."""
 
     sample: int
     key: str

@@ -10,9 +10,7 @@ UNIT = 10_000
 QUARTERS = 4
 """A slot is shared in time by quarters."""
 STEPS = 8
-"""Levels in which the value doubles: 9 % each. With 19 % messages were worth the same that are not, and of ten robots
-with equal messages those got slots whose names came first (93 % of a central decider where most are important, now 94:
-20 ms, unicast, three seeds)."""
+"""Levels in which the value doubles: 9 % each. With 19 % slots went by names (93 % of a central decider, now 94)."""
 MIDDLE = 192
 """The level of a value density of 1."""
 TOP = 255
@@ -23,11 +21,7 @@ _BYTES = 3
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A part of what a robot asks for.
-
-    Divisible: `amount` of the limit in every window [units]. Else `amount` is the size of a message, and it is asked
-    for in so many `quarters` of all windows: four quarters are one message in every window.
-    """
+    """A part of what a robot asks for: an `amount` in every window [units], or in `quarters` of them as one message."""
 
     amount: int
     level: int

@@ -1,8 +1,7 @@
 """Digests on the wire; whatever does not fit is malformed and changes nothing.
 
-A digest goes out several times a second at every robot, over the channel that it is there to save. So times are whole
-ticks, most of them as the distance to another time, values are 16 bits (`fixed.py`), records are lists, what is empty
-at the end is left out, and the sender's name and tag are in the key alone.
+They are small: times are whole ticks, mostly as distances, values 16 bits (`fixed.py`), records lists without the empty
+end, and the sender's name and tag are in the key alone.
 """
 
 import math
@@ -64,10 +63,7 @@ def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterab
 
 
 def digest_head(data: bytes) -> tuple[int, float]:
-    """Return the version of a digest and when it was sent [s], which costs little.
-
-    Raises `MalformedWireError` when it is none.
-    """
+    """Return the version of a digest and when it was sent [s], cheaply; raise `MalformedWireError` when it is none."""
     version, sent = (*envelope.head(data, 2), None, None)[:2]
     return envelope.known_version(version), seconds(checked.time(sent))
 
@@ -172,10 +168,7 @@ def _tag_field(tag: str) -> int | str:
 
 
 def _echoes(sent: int, f: list[Any], own: str, ours: tuple[int, ...]) -> tuple[Echo, ...]:
-    """Return the echoes in a digest. Of our digests one, and no more, must have been sent at such a time.
-
-    Echoes of others tell how their samples arrive; when they sent is not known here.
-    """
+    """Return the echoes in a digest: of ours where just one was sent at such a time; others tell how samples arrive."""
     echoes = []
     for record in checked.records(f, 6):
         peer, low = checked.tag(record[0]), checked.count(record[1], CODES)

@@ -1,8 +1,7 @@
 """What all messages have in common: a list in msgpack, whose first field is the version of the protocol.
 
-Daemons of neighbouring versions understand each other: a version may add fields at the end of messages, and of what a
-state tells of a stream, which older daemons leave out and newer ones do without. What others would misread is two
-versions on, so that they do not try, and the CHANGELOG says "wire version" and its number.
+A version may add fields at the end, which neighbouring versions leave out or do without. What others would misread is
+two versions on, and the CHANGELOG says "wire version" and its number.
 """
 
 from typing import Any
@@ -38,10 +37,7 @@ def packed(fields: list[Any]) -> bytes:
 
 
 def fields_of(data: bytes, most: int, least: int) -> list[Any]:
-    """Return the fields of a message of at most `most` bytes, the version included; at least `least` of them.
-
-    Raises `MalformedWireError`. The work is bounded whatever the bytes are.
-    """
+    """Return the `least` or more fields of a message of up to `most` bytes; raise `MalformedWireError`."""
     if len(data) > most:
         raise MalformedWireError(f"{len(data)} bytes are more than the {most} that a message may have")
     known_version(*head(data, 1))

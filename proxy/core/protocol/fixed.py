@@ -28,10 +28,7 @@ def seconds(ticks_: int) -> float:
 
 
 def coded(amount: float) -> int | float:
-    """Return the wire form of a value from 0: 16 bits, exact for whole numbers to 2,048, else to 0.05 %.
-
-    What is too large or too small for that travels as a single-precision number.
-    """
+    """Return the wire form of a value from 0: 16 bits, to 0.05 %, exact to 2,048, or beyond those single precision."""
     if amount < _SMALL and amount == int(amount):
         return int(amount)
     mantissa, exponent = math.frexp(amount)

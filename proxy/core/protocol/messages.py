@@ -1,12 +1,11 @@
-"""What daemons tell each other beside the data: digests and states, as frozen data.
+"""What daemons tell each other beside the data: digests and states, as frozen data (`*_codec.py` packs them).
 
-`digest_codec.py` and `state_codec.py` pack them as versioned msgpack; the robot and its tag are in the key. Times are
-on the sender's monotonic clock [s], sizes are bytes. All counters are cumulative, so a lost digest costs nothing.
+Times are on the sender's monotonic clock [s], sizes bytes, counters cumulative, so a lost digest costs nothing.
 """
 
 from dataclasses import dataclass
 
-from proxy.core.model.transport import UNICAST
+from proxy.core.model.settings import UNICAST
 from proxy.core.protocol.split_report import SplitReport
 
 
@@ -78,10 +77,8 @@ class Digest:
     capacity: tuple[float, ...] = ()
     """Of every adaptive limit, in the order of the constraints, the part of its ceiling that the channel bears."""
     brief: bool = False
-    """Whether it only announces what was sent, without messages, bytes and `splits`, and of each stream its features.
-
-    A `size` of 0 there stands for the typical one of the state, a negative `scale` for the one of its type by default.
-    """
+    """Whether it only announces what was sent, without messages, bytes, `splits` and features; a `size` of 0 then
+    stands for that in the state, a negative `scale` for the default of the type."""
     splits: bool = False
     """Whether the sender finds that each robot has to keep to a part of every limit."""
     split: SplitReport | None = None

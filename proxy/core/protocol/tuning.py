@@ -62,8 +62,7 @@ class ProtocolTuning:
     slots_alike: float = 2.0
     """Slots are worth about as much where it is up to so many times."""
     few_parts: int = 500
-    """So much is little beside slots [units]: without it five robots with samples of random sizes, which ask for
-    divisible room, fell from 87 to 79 % of a central decider."""
+    """So much is little beside slots [units]: else five robots of random sizes reached 79 % of central, not 87."""
 
 
 TUNING = ProtocolTuning()

@@ -1,13 +1,9 @@
 """The fast path: a sample before which nothing waits goes at once, while there is ample room for all that may be sent.
 
-What such a sample changes in the view, the budget, the counts of decisions and what is told is noted here, and entered
-there before anything else happens and before anybody looks (`settle`): sample by sample, in order, as if each had been
-entered when it came. So an event of a sample touches three files of the core, where it touched 56.
-
-The fast path is open until something is due, or to be told (`open`). Whether there is room is looked at when it opens,
-and whether the team splits, and what is too old, with what is told. It is closed where a sample waits, where limits
-follow the channel or are split, and for streams that are new, guaranteed, of `once`, or of samples that are kept for
-robots that are away.
+What such samples change is noted here, and entered in order before anything else happens or anybody looks (`settle`):
+an event touches three files of the core, not 56. The path is open until something is due, or to be told; not where a
+sample waits or limits follow the channel or are split, nor for streams that are new, guaranteed, of `once`, or kept for
+others.
 """
 
 import math
@@ -233,7 +229,6 @@ class FastPath:
             self._parts.gate.appraisal.passed(self._last_at, entered.values())
 
     def _enter(self, noted: list[_Noted]) -> None:
-        """Enter samples that passed, the oldest first."""
         parts, runs = self._parts, dict[str, list[int]]()
         for place, (lane, event, _) in enumerate(noted):
             lane.enter(event)

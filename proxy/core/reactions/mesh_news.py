@@ -18,89 +18,70 @@ class MeshNews:
     """`refused` counts by kind what was heard on Sendworthy's keys and changed nothing."""
 
     def __init__(self, parts: Parts, retention: Retention) -> None:
-        self._settings = parts.settings
-        self._view = parts.view
-        self._mismatched = parts.mismatched
-        self._unknown_senders = parts.unknown_senders
-        self._coordination = parts.coordination
-        self._capacity = parts.channel.capacity
-        self._kept = parts.kept
-        self._gossip = parts.gossip
+        self._parts = parts
         self._retention = retention
         self.refused: Counter[str] = Counter()
 
-    def sample(self, event: ev.SampleHeard) -> list[Command]:
-        """A sample of another robot arrived."""
-        self._view.overhearing.take(event)
-        return []
-
     def hear(self, now: float, digest: Digest, size: int) -> list[Command]:
         """Take in a digest of so many bytes, if it is one that its robot can have sent."""
-        peer = self._view.peers.get(digest.tag)
+        peer = self._parts.view.peers.get(digest.tag)
         if peer is None:
-            if digest.tag == tag(self._settings.zid):
+            if digest.tag == tag(self._parts.settings.zid):
                 self.refused["digest:forged"] += 1
             else:
-                self._unknown_senders.keep(now, digest)
+                self._parts.unknown_senders.keep(now, digest)
             return []
         if wrong := self._objection(now, peer, digest):
             self.refused[wrong] += 1
             return []
         if peer.digest is not None and now - peer.digest_received > VIEW.implausible_for:
             peer.restart()
-        if self._view.heard_digest(now, digest):
-            self._coordination.heard(now, digest)
-            self._mismatched.heard(digest.tag)
-            self._gossip.account.heard_digest(now, size)
-            self._capacity.digest_received(now, digest)
-            self._gossip.requests.compare(now, digest.tag, peer)
-        return self._view.clocks.compare(now, (peer,))
+        if self._parts.view.heard_digest(now, digest):
+            self._parts.coordination.heard(now, digest)
+            self._parts.mismatched.heard(digest.tag)
+            self._parts.gossip.account.heard_digest(now, size)
+            self._parts.channel.capacity.digest_received(now, digest)
+            self._parts.gossip.requests.compare(now, digest.tag, peer)
+        return self._parts.view.clocks.compare(now, (peer,))
 
     def _objection(self, now: float, peer: Peer, digest: Digest) -> str:
         def known(news: StreamDigest) -> Stream | None:
-            return self._view.streams.known(peer.robot, peer.keys.get(news.id, ""))
+            return self._parts.view.streams.known(peer.robot, peer.keys.get(news.id, ""))
 
         return objection(now, peer, digest, known)
 
     def state(self, event: ev.StateHeard) -> list[Command]:
         """A state arrived; that of a robot that we do not know yet is asked for when we do."""
         name = tag(event.state.zid)
-        peer = self._view.peers.get(name)
+        peer = self._parts.view.peers.get(name)
         if peer is None:
             return []
         if wrong := objection_to_state(peer, event.state):
             self.refused[wrong] += 1
             return []
-        self._gossip.account.heard_state(event.now, event.state, event.size)
-        self._coordination.heard(event.now, event.state)
-        warned, subscriptions = transport_warnings(self._settings, self._view.peers), peer.subscriptions
-        if self._view.heard_state(event.now, event.state):
-            self._mismatched.heard_state(name)
-            self._gossip.requests.compare(event.now, name, peer)
+        self._parts.gossip.account.heard_state(event.now, event.state, event.size)
+        self._parts.coordination.heard(event.now, event.state)
+        warned, subscriptions = transport_warnings(self._parts.settings, self._parts.view.peers), peer.subscriptions
+        if self._parts.view.heard_state(event.now, event.state):
+            self._parts.mismatched.heard_state(name)
+            self._parts.gossip.requests.compare(event.now, name, peer)
         else:
-            self._gossip.requests.want(event.now, name)
+            self._parts.gossip.requests.want(event.now, name)
         commands: list[Command] = []
         if peer.subscriptions != subscriptions:
             commands.append(NoteInterest(peer.zid, peer.subscriptions))
         if peer.state is not None:
-            self._kept.subscribed(name, peer.subscriptions)
+            self._parts.kept.subscribed(name, peer.subscriptions)
             commands += self._retention.renew()
-        after = transport_warnings(self._settings, self._view.peers)
+        after = transport_warnings(self._parts.settings, self._parts.view.peers)
         commands += [Notice("error", warning) for warning in after if warning not in warned]
-        return [*commands, *self._view.clocks.compare(event.now, self._view.peers.values())]
+        return [*commands, *self._parts.view.clocks.compare(event.now, self._parts.view.peers.values())]
 
-    def malformed(self, event: ev.MalformedHeard) -> list[Command]:
+    def malformed(self, event: ev.MalformedHeard) -> None:
         """Something on a key of ours was no digest and no state."""
         self.refused[event.kind] += event.count
-        return []
 
-    def version(self, event: ev.VersionHeard) -> list[Command]:
+    def version(self, event: ev.VersionHeard) -> None:
         """A robot speaks this version of the protocol."""
-        if (peer := self._view.peers.get(event.tag)) is not None:
+        if (peer := self._parts.view.peers.get(event.tag)) is not None:
             peer.speak(event.version)
-        return []
-
-    def state_asked(self, event: ev.StateAsked) -> list[Command]:
-        """Another robot asked for our state, and got it."""
-        self._gossip.state_asked(event.now)
-        return []

@@ -6,7 +6,7 @@ from functools import partial
 
 from planner import Aggregation
 from proxy.core.coordination.budget import Budget, grew
-from proxy.core.coordination.claims import both, rivals
+from proxy.core.coordination.claims import Claims, both
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Amounts, Standing, rate_known
 from proxy.core.market.tuning import TUNING
@@ -16,7 +16,7 @@ from proxy.core.model.mode import Mode, in_force
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
-from proxy.core.window.guarantees import guaranteed, owed
+from proxy.core.window.forecast import guaranteed, owed
 
 Use = tuple[float, ...]
 """What a message uses of each constraint."""
@@ -31,6 +31,7 @@ class Appraisal:
         self.view = view
         self.budget = budget
         self.disputes = disputes
+        self.claims = Claims(view, disputes)
         self.all_fits = False
         """Whether there was room for all that may be sent when it was last looked at."""
         self.ample = False
@@ -68,10 +69,7 @@ class Appraisal:
         self._undersubscribed.note(now, stream)
 
     def look_for_room(self, now: float, stream: Stream | None = None, waiting: int = 0) -> bool:
-        """Return whether the limits have room for all that may be sent: then nothing is gained by dropping a sample.
-
-        The `stream` has generated one, and so many others are waiting.
-        """
+        """Whether all that may be sent fits, with a sample of the `stream` and so many waiting: nothing is dropped."""
         limits, self._looked_at = self.budget.limits, now
         if limits:
             self._undersubscribed.advance(now, limits, alone=self.budget.alone)
@@ -85,10 +83,7 @@ class Appraisal:
         return self.all_fits
 
     def all_go(self, key: str) -> bool:
-        """Whether all samples of a key of ours go, as far as was seen last: all fit, or nothing disputes these.
-
-        From any thread.
-        """
+        """Whether all samples of a key of ours go, as seen last: all fit, or none disputes these. From any thread."""
         stream = self.view.streams.known(self.view.settings.robot, key)
         return stream is not None and (self.all_fits or self.disputes.weighed(stream).standing is Standing.UNDISPUTED)
 
@@ -111,10 +106,7 @@ class Appraisal:
         return self.disputes.standing(now, stream, sample)
 
     def last_prices(self, now: float) -> Amounts | None:
-        """Return what a unit of each limit cost when that was worked out last; None where that is long ago.
-
-        While there is room for all that may be sent a unit costs nothing.
-        """
+        """Return what a unit of each limit cost when that was worked out last, 0 where all fits; None: long ago."""
         if self._looked_at < now - TUNING.known:
             return None
         if self.all_fits:
@@ -126,10 +118,9 @@ class Appraisal:
         return self.budget.lacking(now, self.disputes.besides(now, use))
 
     def weigh_copy(self, now: float, use: Use) -> tuple[str, ...]:
-        """Weigh the streams that compete; name the limits that have no room for a copy beside what is booked for them.
+        """Weigh the streams that compete; name the limits without room for a copy beside what is booked for them.
 
-        Without that, the copies for a robot that was away cost the others alarms: 21 and 26 of 60, where copies took
-        half of a limit for 2 s.
+        Else copies for a robot that was away cost the others 21 and 26 of 60 alarms.
         """
         self._advance(now)
         return self.lacking_beside_booked(now, use)
@@ -137,22 +128,15 @@ class Appraisal:
     def lacking_beside_rivals(self, now: float, stream: Stream | None, use: Use) -> tuple[tuple[str, ...], float]:
         """Name the limits that have no room for a sample beside what robots with a better claim may just have sent.
 
-        Also say until when at least their room counts as taken if nothing is heard of them [s].
+        And until when at least that counts as taken if nothing is heard of them [s].
         """
         budget = self.budget
         if stream is None or budget.alone or not self.view.peers:
             return (), math.inf
         if any(amount > c.limit for amount, c in zip(use, budget.usable(now), strict=True)):
             return (), math.inf  # there never is room beside it
-        taken, until = rivals(
-            now,
-            self.view,
-            self.disputes,
-            stream,
-            budget.limits,
-            grew=partial(grew, budget),
-            free=budget.free(now),
-            agreed=budget.agreed,
+        taken, until = self.claims.rivals(
+            now, stream, budget.limits, partial(grew, budget), budget.free(now), agreed=budget.agreed
         )
         return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 

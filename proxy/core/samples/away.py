@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.tuning import TUNING
-from proxy.core.view.interest import intersects
+from proxy.core.view.subscribers import intersects
 
 
 @dataclass(slots=True, eq=False)
@@ -34,10 +34,7 @@ class Copy:
 
 @dataclass(frozen=True, slots=True)
 class Leaving:
-    """A robot whose token has vanished. `reached` are keys of `once` of which it was sent a sample.
-
-    A robot whose specs are `alike` ours notices what it has received already.
-    """
+    """A robot whose token vanished, sent a sample of `once` on keys it `reached`; specs `alike` tell it what it has."""
 
     name: str
     tag: str

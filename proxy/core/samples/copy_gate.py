@@ -34,10 +34,7 @@ class CopyGate:
         self._copies = copies
 
     def foremost(self, now: float) -> Copy | None:
-        """Return the next copy for a robot that is back, if it comes before all that waits in the inbox.
-
-        That is the one of the highest priority, then the oldest.
-        """
+        """Return the copy of the highest priority, then the oldest, for who is back, if the inbox has none before."""
         first = (copy for away in self._copies if away.back for copy in away.oldest() if copy.ready_at <= now)
         copy = min(first, key=lambda c: (c.waiting.priority, *c.age_order), default=None)
         return None if copy is None or any(w.priority < copy.waiting.priority for w in self._inbox) else copy

@@ -1,13 +1,7 @@
-"""The last decisions on each of our streams, for `sendworthy why`.
+"""The last decisions on each of our streams, for `sendworthy why`: as what led to them, words come when somebody asks.
 
-Each is kept as what led to it: words are worked out when somebody asks. Where samples of a stream meet the same fate
-for the same reason one after the other they are one entry, so a stream that is sent as it comes has one, which costs
-next to nothing; decisions by a search have one each.
-
-What a search found on a sample and what it competed with, small enough to be kept.
-
-A problem takes some 50 kB. What is kept of it is its constraints, and of the streams that competed the few that matter
-most: those that the plan sends, and then those whose samples are worth most.
+Where samples of a stream meet the same fate for the same reason one after the other they are one entry. Of a problem,
+which takes some 50 kB, constraints are kept and those competitors that the plan sends or that are worth most.
 """
 
 from collections import Counter, deque
@@ -21,14 +15,14 @@ from planner.utility import integral
 from proxy.core.market.standing import Weighed
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.tuning import TUNING
-from proxy.core.window.candidates import Candidate
+from proxy.core.window.forecast import Candidate
 from utility_specs.lifetimes import initial
 
 
 class Rival(NamedTuple):
-    """A stream that took part in a decision: so many of its `messages` were open, and the plan sends some.
+    """A stream that took part in a decision, with the `size` of samples to come [B] and the `scale` of one to all.
 
-    `scale` is that of one message, to all that want it. `size` is that of the samples to come [B].
+    Of its `messages` that were open so many are `sent` by the plan.
     """
 
     robot: str
@@ -49,9 +43,8 @@ class Rival(NamedTuple):
 class Searched:
     """A decision by a search: its plan, the constraints, and who competed; `asked` iterations were allowed.
 
-    `this` is the stream of the sample with its other messages, `rivals` are other streams, and there are `more`. The
-    search was `cut` when it ended for want of time. Its window held so many messages, `held`, and `full` of itself.
-    With `current` the sample `ends` a loss of so much a second: what was sent last shows too much by now.
+    `this` is the stream of the sample; of other streams these `rivals`, and `more`. The search was `cut` for want of
+    time. Its window held `held` messages, `full` of itself. In `current` the sample `ends` a loss of so much a second.
     """
 
     plan: Plan
@@ -98,10 +91,7 @@ def _ended(problem: Problem, current: Message) -> float:
 
 
 class Why(NamedTuple):
-    """What becomes of a sample, its `reason`, and why: the `cause` beside it, and what prices or a search say.
-
-    `lacking` are the limits that have no room; `beside` says what takes it, if it is not what was sent.
-    """
+    """What becomes of a sample, its `reason`, and why: the limits `lacking` room, which what is `beside` takes."""
 
     reason: str
     cause: str = ""
@@ -122,8 +112,7 @@ WAITS = "waits"
 class Entry:
     """What became of `count` samples of a stream, from `since` until `until` [s]; `sample` is the last one.
 
-    `number` and `nth` are those of the last one: among all decisions, and among those of its stream. `shadowed`: it was
-    sent all the same. `to` is the tag of the only robot that it was for, if it was a copy.
+    It was the `number`-th of all, the `nth` of its stream. `shadowed`: sent all the same. `to`: a copy for that tag.
     """
 
     __slots__ = ("count", "nth", "number", "sample", "shadowed", "since", "to", "until", "why")
@@ -200,28 +189,17 @@ class DecisionLog:
         count: int = 1,
         to: str = "",
         shadowed: bool = False,
+        since: float | None = None,
+        number: int | None = None,
     ) -> None:
-        """This became of a sample of ours, or of `count` of them."""
-        self.noted += 1
-        stream = self._streams.get(key)
-        if stream is None:
-            stream = self._admit(key)
+        """This became of `count` samples of ours, from `since` on; the last is decision `number`, or the next."""
+        number = self.noted + 1 if number is None else number
+        self.noted = max(self.noted, number)
+        stream = self._streams.get(key) or self._admit(key)
         entry = stream.last(why, to, shadowed=shadowed)
         if entry is None:
-            entry = Entry(now, sample, why, to, shadowed=shadowed)
+            entry = Entry(now if since is None else since, sample, why, to, shadowed=shadowed)
             self._add(key, stream, entry)
-        entry.again(now, sample, why, count=count, number=self.noted, nth=stream.count(count))
-
-    def note_run(self, since: float, now: float, sample: Waiting, why: Why, *, count: int, number: int) -> None:
-        """This became of `count` samples of a stream from `since` on; the last one is decision `number` of all."""
-        self.noted = max(self.noted, number)
-        stream = self._streams.get(sample.key)
-        if stream is None:
-            stream = self._admit(sample.key)
-        entry = stream.last(why, "", shadowed=False)
-        if entry is None:
-            entry = Entry(since, sample, why, "", shadowed=False)
-            self._add(sample.key, stream, entry)
         entry.again(now, sample, why, count=count, number=number, nth=stream.count(count))
 
     def _admit(self, key: str) -> _Stream:

@@ -65,10 +65,8 @@ class Shortcut(StrEnum):
 class Decisions:
     """Statistics of all decisions since the start.
 
-    `gap` sums by how much the plans may be exceeded at most, `utility` what they are worth, both over the `bounded`
-    plans, whose gap is known [utility·s]. `thinned` tells of the windows that were thinned to come in time: how many
-    they are, how many messages they had to decide, and how many they would have had. `binding` counts by constraint the
-    dropped samples that it had no room for. `seconds` and `longest` are in seconds.
+    `gap` and `utility` are sums over the `bounded` plans [utility·s], `thinned` counts windows and messages, `binding`
+    the dropped samples by constraint. `seconds` and `longest` are in seconds.
     """
 
     def __init__(self) -> None:

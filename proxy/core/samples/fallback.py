@@ -1,8 +1,6 @@
 """What decides when the planner fails: priority, and token buckets for all that is not urgent.
 
-The limits hold for all samples. A sample that is not urgent takes at most a part of what they leave, which the specs
-say. So that many small samples leave room for urgent ones, too, each passes a bucket for every limit: the bucket holds
-that part of what is ours in a window, and fills within a window.
+What is not urgent takes a part of what the limits leave, as specs say: a bucket for each holds that part of a window.
 """
 
 from collections.abc import Sequence

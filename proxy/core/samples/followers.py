@@ -1,11 +1,11 @@
 """Samples that wait for room behind others: what comes later and uses no less finds none before those do.
 
-So of all that wait only the leaders are looked at when room opens. Where each of 256 samples was looked at, as each
-believed that the next room was its own, a daemon with 100 streams of 30 samples/s spent nearly all its time on that.
+So only leaders are looked at when room opens; with all 256 a daemon with 100 streams of 30 samples/s did nothing else.
 """
 
 import math
 from collections.abc import Hashable
+from operator import ge
 from typing import NamedTuple
 
 from proxy.core.model.waiting import Waiting
@@ -42,10 +42,7 @@ class Followers:
         self._leaders[sample.sample] = _Entry(place(sample), sample.key, kind, use, opens_at)
 
     def follow(self, kind: Hashable, sample: Waiting, use: tuple[float, ...]) -> float | None:
-        """Let a sample wait behind another one; return before when there is no room for it [s].
-
-        None where no other one comes before it.
-        """
+        """Let a sample wait behind another one; return before when there is no room for it [s]. None: behind nobody."""
         leader = self._follow(_Entry(place(sample), sample.key, kind, use))
         return None if leader is None else leader.opens_at
 
@@ -81,15 +78,14 @@ class Followers:
         if (number := self._followed_by_its_key(entry)) is not None:
             return number
         for number, leader in self._leaders.items():
-            if leader.place < entry.place and (leader.key == entry.key or _finds_no_more(entry, leader)):
-                return number
+            if leader.place < entry.place:
+                alike = entry.kind == leader.kind
+                if leader.key == entry.key or (alike and all(map(ge, entry.use, leader.use))):
+                    return number
         return None
 
     def _followed_by_its_key(self, entry: _Entry) -> int | None:
-        """Return whom one of its key follows that comes before it; those before that one that left are forgotten.
-
-        Where none was, the next one took 2 ms behind 7,000 that had left.
-        """
+        """Return whom one of its key follows that comes before it; those before that one that left are forgotten."""
         found, gone = None, []
         for at, number in self._keys.get(entry.key, {}).items():
             if self._inbox.rests_until(at[-1]) is None:
@@ -107,8 +103,3 @@ class Followers:
         self._following.get(same.pop(at, -1), {}).pop(at, None)
         if not same:
             self._keys.pop(key, None)
-
-
-def _finds_no_more(entry: _Entry, leader: _Entry) -> bool:
-    """Whether there is no room for a sample before there is for another one."""
-    return entry.kind == leader.kind and all(a >= b for a, b in zip(entry.use, leader.use, strict=True))

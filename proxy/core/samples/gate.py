@@ -65,13 +65,10 @@ class Gate:
 
     def undecided_of(self, key: str) -> list[tuple[Waiting, float | None]]:
         """Return the samples of a key that are undecided, each with when there may be room for it [s], if it waits."""
-        return [(each, self._waits.opens_at(each)) for each in self.undecided if each.key == key]
+        return [(each, self._inbox.rests_until(each.sample)) for each in self.undecided if each.key == key]
 
     def put(self, now: float, waiting: Waiting) -> list[Command]:
-        """Send a sample at once if it surely fits, else queue it.
-
-        Where too many wait all go at once if the limits have room for them; if not, one leaves.
-        """
+        """Send a sample at once if it surely fits, else queue it; too many go at once if they fit, else one leaves."""
         if self.appraisal.all_fits and not self.waits and (forwarded := self._send_fitting(now, waiting)) is not None:
             return [forwarded, *self.undecided.pass_deletions()]
         if self.search.busy() and (stream := self.appraisal.stream_of(now, waiting)) is not None:
@@ -103,11 +100,7 @@ class Gate:
         return self.outcomes.send(now, stream, sample, use, OWED if must else UNNEEDED)
 
     def _send_beside(self, now: float, stream: Stream, sample: Waiting) -> Command | None:
-        """Send a sample beside one that a search decides on, if nothing disputes it and there is room; else None.
-
-        Not before others of its key, nor where samples wait for room. What it takes counts when the answer comes: if
-        that leaves no room, the other sample waits for it.
-        """
+        """Send a sample beside one that a search decides on, if nothing disputes it or waits, and it fits."""
         pending, appraisal, view = self.search.pending, self.appraisal, self._view
         if pending is None or self._copies or self._waits.for_room or self.undecided.holds(sample.key):
             return None
@@ -159,7 +152,6 @@ class Gate:
         return commands
 
     def _take_up_all(self, now: float) -> list[Command]:
-        """Take up samples, and copies, as far as they can be."""
         commands, crowded = list[Command](), False
         for _ in range(TUNING.taken_up_at_once):
             if self.search.busy():
@@ -293,10 +285,7 @@ class Gate:
         return [Notice("error", text)] if error != before else []
 
     def _without_plan(self, now: float, pending: Pending, *, late: bool) -> list[Command]:
-        """Decide by priority and token buckets; where the plan is `late` send what fits, or its room is lost.
-
-        Unless something more urgent waits.
-        """
+        """Decide by priority and token buckets; `late` send what fits, unless something more urgent waits."""
         if pending.copy is not None:
             return self._copy_gate.by_rule(now, pending.copy, self._rule)
         cause = Shortcut.LATE if late else RULE

@@ -27,8 +27,7 @@ Place = tuple[int, float, int]
 class Inbox:
     """Gives out the highest priority first, then the oldest.
 
-    At most `capacity` samples of `most_bytes` wait in all, where one counts as at most half of these bytes, so that one
-    of any size finds a place. Where each sample of a stream counts, at most `backlog` of it do.
+    At most `capacity` samples of `most_bytes` wait, one counting as half of these at most, and `backlog` of a stream.
     """
 
     def __init__(self, capacity: int, backlog: int, most_bytes: float = math.inf) -> None:
@@ -95,10 +94,7 @@ class Inbox:
             self._add(waiting)
 
     def rest(self, waiting: Waiting, until: float) -> None:
-        """Do not give a sample out before this time [s]: it costs nothing to look for another one then.
-
-        Looking at each of 256 that waited for room, after every event, took three quarters of a daemon's time.
-        """
+        """Do not give a sample out before this time [s]: to look at all of 256 took three quarters of the time."""
         self._resting[waiting.sample] = until
         heappush(self._wakes, (until, waiting.sample))
 
@@ -109,9 +105,7 @@ class Inbox:
     def wake(self, now: float) -> None:
         """Give out again what rested until now; all, with ∞."""
         while self.wakes_at <= now and self._wakes:
-            sample = heappop(self._wakes)[1]
-            del self._resting[sample]
-            heappush(self._order, place(self._waiting[sample]))
+            self.wake_one(heappop(self._wakes)[1])
 
     def wake_one(self, sample: int) -> None:
         """Give a sample out again that rests."""

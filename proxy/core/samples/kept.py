@@ -1,11 +1,8 @@
 """Copies for robots that are away, of samples of which each counts, until their robot is back or gone.
 
-A robot is away when its presence token has vanished. That is noticed late: what was sent shortly before may not have
-arrived, so it is offered again, and the robot leaves out what it has. When the robot is back, each copy is decided like
-any other sample, for this robot alone, the older ones first. A copy is given up when it is worth nothing any more, when
-there are too many, or when the robot is gone.
+A presence token vanishes late, so what was sent shortly before is offered again, and the robot leaves out what it has.
 
-What is kept here are numbers; the driver has the payloads (`copies.py`).
+Who is back has each copy decided like any other sample, the older ones first. Payloads are with the driver.
 """
 
 import math
@@ -17,7 +14,7 @@ from proxy.core.model.waiting import Waiting
 from proxy.core.samples.away import Copy, Leaving
 from proxy.core.samples.copies import Copies
 from proxy.core.samples.tuning import TUNING
-from proxy.core.view.interest import intersects
+from proxy.core.view.subscribers import intersects
 
 EXPIRED, UNWANTED = "dropped:expired", "dropped:unwanted"
 
@@ -31,10 +28,7 @@ class _Undecided:
 
 
 class Kept:
-    """Keeps copies as robots vanish and return, and as samples are published and decided.
-
-    A robot that is away for longer than `longest` [s] is gone; 0: nothing is kept.
-    """
+    """Keeps copies as robots vanish, return or are gone, after `longest` [s] (0: none), and as samples are decided."""
 
     def __init__(self, longest: float) -> None:
         self.longest = longest
@@ -66,10 +60,7 @@ class Kept:
         return None if each is None else each.copy.waiting.key
 
     def decided(self, now: float, sample: int, names: Collection[str], *, sent: bool) -> None:
-        """A sample was sent to the robots with these tags, or there was no room for it; other robots do not get it.
-
-        A robot that vanishes soon may not have got it. Where copies take the room, what has none is kept as one more.
-        """
+        """A sample was sent to the robots with these tags, or had no room: then it is kept for who is back."""
         each = self._undecided.pop(sample)
         for away in self.copies if not sent else ():
             if away.known and away.robot.tag in names and away.robot.tag not in each.kept_for:
@@ -118,10 +109,7 @@ class Kept:
         return frozenset() if away is None else away.reached
 
     def subscribed(self, tag: str, subscriptions: Iterable[str]) -> None:
-        """A robot that is back subscribes to this: all else is not wanted any more, and new samples reach it.
-
-        It waits to hear whether anything is kept for it.
-        """
+        """A robot that is back subscribes to this: all else is not wanted any more, and new samples reach it."""
         waits, away = tag in self._lost, self.copies.of(tag)
         self._lost.pop(tag, None)
         if away is None:

@@ -85,7 +85,7 @@ class Outcomes:
         self._view.streams.touch(run.now, self._view.settings.robot, run.last.key)
         self._counts.generate(run.stream.information_type.name, run.samples)
         self._settle(run.stream, why.reason, run.samples)
-        self._log.note_run(run.since, run.now, run.last, why, count=run.samples, number=number)
+        self._log.note(run.now, run.last.key, run.last, why, count=run.samples, since=run.since, number=number)
 
     def superseded(self, now: float, stream: Stream, count: int) -> None:
         """So many samples of a stream gave way to a newer one before they were taken up."""
@@ -111,10 +111,7 @@ class Outcomes:
             self._view.handed(key)
 
     def refused(self, now: float, sample: int, reason: str) -> str:
-        """The mesh session did not take the sample: if it was the first for some robots, the next one will be.
-
-        Return its key.
-        """
+        """The mesh session did not take the sample, so it was the first for nobody; return its key."""
         self._budget.own.refused(sample)
         stream, names = self._first.pop(sample, (None, ()))
         if stream is not None:

@@ -13,16 +13,12 @@ from proxy.core.samples.decision_log import Searched
 from proxy.core.samples.decisions import Decisions
 from proxy.core.samples.inbox import Inbox
 from proxy.core.samples.tuning import TUNING
-from proxy.core.window.size import WindowSize
-from proxy.core.window.window import Window, WindowBuilder
+from proxy.core.window.window import Window, WindowBuilder, WindowSize
 
 
 @dataclass(frozen=True, slots=True)
 class Pending:
-    """The sample being decided since `asked` [s], or the copy of one, beside so many other messages.
-
-    Of too many some were left out.
-    """
+    """The sample, or `copy`, being decided since `asked` [s], beside `held` messages, of which some may be left out."""
 
     ticket: int
     sample: Waiting
@@ -82,10 +78,7 @@ class Search:
         return self.pending.decide
 
     def answered(self, ticket: int, overhead: float) -> Pending | None:
-        """Return the sample that waited for the answer with this ticket, which is awaited no longer.
-
-        All but the search took `overhead` [s]; infinite where the answer did not come in time.
-        """
+        """Return the sample that waited for this answer; all but the search took `overhead` [s], ∞: too long."""
         pending = self.pending
         if pending is None or pending.ticket != ticket:
             return None

@@ -10,9 +10,8 @@ class SamplesTuning:
     taken_up_at_once: int = 128
     """Samples taken up at one event at most: what else happens has its turn before the rest of a burst."""
     patience: float = 3.0
-    """A sample gives way to others' for this many times as long as it waits for room, and is dropped then. With random
-    sizes 93.8 % of a central decider was reached with 1.0, 95.2 with 3.0, at 20 ms in unicast, but a point less in
-    broadcast."""
+    """A sample gives way for this many times as long as it waits for room, then it is dropped (1.0: 93.8 %, not
+    95.2)."""
     shortest_wait: float = 1e-3
     """A sample gives way for at least this long [s]."""
     answered_within: float = 0.1
@@ -26,8 +25,7 @@ class SamplesTuning:
     warnings_apart: float = 60.0
     """The log repeats that samples were dropped for the same reason after this long [s]."""
     doubtful: float = 14.0
-    """What was sent this shortly before a loss was noticed may not have arrived [s]: Zenoh's lease of 10 s, where the
-    other end's kernel answers and nobody reads, and what waits in the buffers of a slow channel, which hide 3.8 s."""
+    """What was sent this shortly before a loss may not have arrived [s]: Zenoh's lease of 10 s, and buffers of 3.8."""
     retry: float = 0.25
     """A copy that a plan was against is decided again after this long [s]."""
     room_checked_every: float = 0.05

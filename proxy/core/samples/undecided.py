@@ -1,7 +1,6 @@
 """The samples of ours that are undecided: those that wait, those that are read again, and the one being decided.
 
-Deletions of a key pass between its samples. Of a Markovian stream the newest sample wins: it takes the place of the one
-that waits, as a deletion does, and a sample that is read again gives way to one that came meanwhile.
+Deletions of a key pass between its samples. Of a Markovian stream the newest sample, or deletion, wins.
 """
 
 import math

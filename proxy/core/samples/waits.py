@@ -2,11 +2,9 @@
 
 import math
 
-from proxy.core.coordination.claims import Lead, news_take, opening
-from proxy.core.coordination.first_sends import first_at
+from proxy.core.coordination.claims import first_at, news_take, opening
 from proxy.core.coordination.tuning import TUNING as COORDINATION
-from proxy.core.market.pace import carried, pace_part
-from proxy.core.market.room import Room
+from proxy.core.market.room import Room, carried, pace_part
 from proxy.core.market.standing import Standing
 from proxy.core.model.limits import Limit, changes_plans, longest_window
 from proxy.core.model.mode import Mode
@@ -28,7 +26,6 @@ class Waits:
         self._inbox = inbox
         self._view, self._budget, self._disputes = appraisal.view, appraisal.budget, appraisal.disputes
         self._followers = Followers(inbox)
-        self._lead = Lead(self._view, self._disputes)
         self._limits: tuple[Limit, ...] = ()
         """For room under these samples rest in the inbox."""
 
@@ -51,10 +48,6 @@ class Waits:
         """Whether a sample waits for room."""
         return bool(self._followers)
 
-    def opens_at(self, sample: Waiting) -> float | None:
-        """Return when a sample that was looked at can be taken up at the earliest [s]; None where it does not wait."""
-        return self._inbox.rests_until(sample.sample)
-
     def postpone(self, now: float, sample: Waiting) -> bool:
         """Let a sample wait if there is a reason to; return whether it waits."""
         stream = self._appraisal.stream_of(now, sample) if self._budget.limits else None
@@ -63,18 +56,12 @@ class Waits:
         return self._for_others(now, stream, sample) or self._for_room(now, stream, sample)
 
     def give_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
-        """Put a sample back into the inbox until it is known what others have sent, or this time has come [s].
-
-        Return whether it waits: it does not where a newer one is there, or where it would be too old by then.
-        """
+        """Put a sample back until others' sends are known, or then [s]; whether it waits, not too old or outdated."""
         known_at = max(now + TUNING.shortest_wait, min(until, now + news_take(self._view)))
         return self._put_back(stream, sample, known_at)
 
     def for_channel(self, now: float, stream: Stream, sample: Waiting) -> bool:
-        """Put a sample back until the channel has carried what was sent meanwhile; return whether it waits.
-
-        It does not where a newer one is there, or where it would be too old by then.
-        """
+        """Put a sample back until the channel has carried what was sent; whether it waits, not too old or outdated."""
         free = self._channel_free(now, stream)
         return free > now and self._put_back(stream, sample, free)
 
@@ -88,10 +75,7 @@ class Waits:
         return True
 
     def _for_others(self, now: float, stream: Stream, sample: Waiting) -> bool:
-        """Whether a large sample waits for what robots that have just been met sent lately, or that begin as we do.
-
-        Without that a robot that joined sent its first frame beside two of theirs, and the window held 1.4 limits.
-        """
+        """Whether a large sample waits for what who was just met sent lately, or begins as we do (else 1.4 limits)."""
         until, limits = self._view.newcomers.greeted_by(now), self._budget.limits
         if now >= max(until, stream.began + COORDINATION.first_time):
             return False
@@ -105,10 +89,7 @@ class Waits:
         return True
 
     def _for_room(self, now: float, stream: Stream, sample: Waiting) -> bool:
-        """Whether a sample waits, as something we sent soon leaves the window, or behind others that do.
-
-        Under the same limits room never opens earlier than it seemed to at first.
-        """
+        """Whether a sample waits, as something we sent soon leaves the window, or behind others that do."""
         appraisal = self._appraisal
         if not self._view.subscribers.gaining(stream):
             return False
@@ -118,7 +99,9 @@ class Waits:
             return False
         use, contested = appraisal.use(stream, sample), standing is Standing.CONTESTED
         priced = not contested and self._disputes.weighed(stream).standing is Standing.PRICED
-        leads = (contested or priced) and not self._budget.alone and self._lead.has(now, stream, self._budget.limits)
+        leads = (
+            (contested or priced) and not self._budget.alone and appraisal.claims.lead(now, stream, self._budget.limits)
+        )
         kind = contested, leads
         if (before := self._followers.follow(kind, sample, use)) is not None:
             if before > until:

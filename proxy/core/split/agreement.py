@@ -5,8 +5,7 @@ from collections.abc import Collection, Mapping
 
 from proxy.core.protocol.bid import UNIT, Bid
 from proxy.core.protocol.split_report import SplitReport
-from proxy.core.split.table import Entry, Table
-from proxy.core.split.table_log import TableLog
+from proxy.core.split.table import Entry, Table, TableLog
 from proxy.core.split.tuning import TUNING
 from proxy.core.split.turns import Turn
 
@@ -21,10 +20,7 @@ class _Returns:
         self._unaware: set[str] = set()
 
     def note(self, now: float, before: set[str], members: set[str]) -> None:
-        """The members have been others until now: some are lost, some that were lost are back.
-
-        It takes up to the time to settle until a robot sees that another one is gone, and as long until it is back.
-        """
+        """The members have been others until now; one is seen gone, or back, up to the time to settle later."""
         since = now - 2.0 * self._settle_time
         self._lost = {tag: at for tag, at in self._lost.items() if at > since}
         self._unaware = (self._unaware & members) | (self._lost.keys() & (members - before))
@@ -36,11 +32,7 @@ class _Returns:
 
 
 class Agreement:
-    """One robot's side of the agreement.
-
-    `floor` is in units. `version` is the first one of our bids: greater than any that was announced under our tag
-    before.
-    """
+    """One robot's side of the agreement; `floor` is in units, `version` greater than all announced under our tag."""
 
     def __init__(self, own: str, now: float, *, floor: int, settled_at: float, kind: bytes, version: int) -> None:
         self.own, self._floor, self._kind = own, floor, kind
@@ -106,8 +98,7 @@ class Agreement:
     def entitled(self) -> int:
         """What all tables that count give us now [units]; a newcomer has at most an equal part.
 
-        Who agreed on a table without a robot that is back, and may have noticed nothing, has no more than a newcomer
-        until it agrees on one with it: else the two used parts of tables that they never had together (1.35 limits).
+        Beside who is back and has noticed nothing we are newcomers, too: else the two held 1.35 limits.
         """
         if self._returns.awaits(self.log.agreed, quiet=self.quiet):
             return min(self._kept, self.log.total)
@@ -139,10 +130,7 @@ class Agreement:
         self._form(now)
 
     def set_quiet(self, now: float, *, quiet: bool) -> bool:
-        """The team is too large to agree, or is not; return whether all give up now what they agreed on.
-
-        They do for equal parts, and until all have, we use no more than before.
-        """
+        """The team is too large to agree, or is not; whether all give up what they agreed on now, for equal parts."""
         begins, self.quiet = quiet and not self.quiet, quiet
         if begins:
             self._kept = min(self.entitled, self.equal)
@@ -220,5 +208,4 @@ class Agreement:
         return Table(self.own, entries, members=members, floor=self._floor, kind=self._kind, counts=counts)
 
     def _form(self, now: float) -> None:
-        """Form our newest table."""
         self.log.append(now, self._table({tag: self._bids.get(tag) for tag in self.members}))

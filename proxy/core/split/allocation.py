@@ -45,10 +45,7 @@ class Allocation:
         return self.largest(tag) >= _needed(least)
 
     def worth(self, bids: Mapping[str, Bid]) -> float:
-        """Return what slots are worth to all together, by what they ask for [utility/s].
-
-        For a robot's own judgement: machines need not agree on it to the last bit.
-        """
+        """Return what slots are worth to all together [utility/s], for a robot's own judgement: to no last bit."""
         return sum(_worth(bid, self.mean(tag), self.largest(tag)) for tag, bid in bids.items())
 
     def largest(self, tag: str) -> int:
@@ -76,10 +73,7 @@ def worth_of_equal(bids: Mapping[str, Bid]) -> float:
 
 
 def _worth(bid: Bid, room: float, largest: float) -> float:
-    """Return what slots are worth to a robot that has so much room in the mean, as `Allocation.worth` does.
-
-    What has most value per unit is served first, messages beyond the `largest` not at all.
-    """
+    """Return what slots are worth to a robot with so much room in the mean, but no messages beyond the `largest`."""
     total = 0.0
     for segment in bid:
         if segment.quarters and _needed(segment.amount) > largest:
@@ -99,13 +93,10 @@ def _needed(amount: int) -> int:
 def allocate(table: Bids, members: int, floor: int, seed: int = 0) -> Allocation:
     """Return what each robot of the `table` may use.
 
-    Units go to segments by falling value density, as an auction by marginal utility would sell them: where values
-    fall with amounts, this fills a limit best (water-filling). Segments of equal value share evenly. A message is
-    served whole: it gets pieces of a slot of its robot's, of a new one, or of one that others use, too. What nobody
-    asks for goes to all alike.
-
-    `members` counts those of whom an unknown one gets an equal part. `floor` [units] is given to nobody. `seed` says
-    who of a ring comes first. All numbers are whole, and ties break by tag, so all machines agree.
+    Units go to segments by falling value density (water-filling), evenly where it is equal. A message is served whole:
+    it gets pieces of a slot. What nobody asks for goes to all alike. `members` counts those of whom an unknown one gets
+    an equal part, `floor` [units] is given to nobody, `seed` says who of a ring comes first. All numbers are whole, and
+    ties break by tag, so all machines agree.
     """
     return _allocate(tuple(sorted(table.items())), members, floor, seed)
 
@@ -228,10 +219,7 @@ class _Filling:
 
 
 def _ring(pieces: Mapping[str, int], urgency: Mapping[str, int], seed: int) -> tuple[tuple[str, int], ...]:
-    """Return who comes after whom, and how long each turn is in relation to the shortest one.
-
-    Who has far more to gain by its first message comes first; of the others, whom the seed says.
-    """
+    """Return who comes after whom, the far more urgent first, and how long each turn is in relation to the shortest."""
     least, tags = min(pieces.values()), sorted(pieces)
     first = seed % len(tags)
     order = sorted(tags[first:] + tags[:first], key=lambda tag: -(urgency[tag] // TUNING.urgency_levels))

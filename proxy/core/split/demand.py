@@ -32,8 +32,7 @@ class Demand:
 def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
     """Return what streams ask for together of a limit with this window [s], among so many robots.
 
-    Small messages ask for what they use in the mean, and for what they vary by. Large ones of one size ask for slots.
-    Where sizes vary, more room lets larger messages through, so what is asked for beyond the smallest is divisible.
+    Small messages ask for their mean and what they vary by, large ones for slots, and beyond for divisible room.
     """
     small = min(TUNING.small_message, 0.5 / max(1, robots))
     asking = [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]
@@ -43,10 +42,7 @@ def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
 
 
 def _small(demands: Sequence[Demand], window: float, equal: float) -> list[Segment]:
-    """Ask for what streams use in the mean, and for what they vary by.
-
-    Of a stream that uses much of an `equal` part all that it sends is not worth the same.
-    """
+    """Ask for what streams use in the mean, at several values beyond some of an `equal` part, and what they vary by."""
     levels = []
     for demand in demands:
         amount = UNIT * sum(demand.sizes) / len(demand.sizes) * demand.rate * window
@@ -114,10 +110,7 @@ def _rate(demand: Demand, part: float, window: float, share: float = 1.0) -> flo
 
 
 def _hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Leave out what lies below a line between others: values per part then do not rise.
-
-    What lies on it stays: where one message more is worth as much as the first, each is asked for by itself.
-    """
+    """Leave out what lies below a line between others, not on it: values per part then do not rise."""
     hull: list[tuple[float, float]] = []
     for x, y in points:
         while len(hull) > 1 and (y - hull[-1][1]) * (hull[-1][0] - hull[-2][0]) > (1.0 + ROUNDING) * (

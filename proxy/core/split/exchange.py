@@ -1,9 +1,7 @@
 """What one robot announces of the split, and what it requests again of what it missed.
 
-A bid is announced until all others have it, the name of a table once it holds the bids of all. What is lost is
-requested by who misses it, after a while and for all who miss the same; who is asked announces it again. Where digests
-are broadcast each of these goes out twice, as one for all takes little and a request takes long: ten robots with equal
-messages whose news take 1 s reached 78 % of a central decider, and reach 82 now (*mixed*, broadcast, three seeds).
+A bid is announced until all have it, the name of a table once it holds the bids of all, each twice where digests are
+broadcast (ten robots at 1 s: 82 % of a central decider instead of 78). Who misses something requests it for all.
 """
 
 import math
@@ -29,10 +27,7 @@ class Exchange:
         self.last_at = now
         """When that was [s]."""
         self._heard_at, self._requests = now, 0
-        """When we last heard or told what is news, or requested it [s], and how often we did since.
-
-        Not when we told again what others missed: a robot that answered them for ever never asked for what it missed.
-        """
+        """When we last heard, told or requested news [s], not when we answered, and how often we did since."""
         self.repeats_at = math.inf
         """When we announce again what was news [s]."""
         self._again = False
@@ -70,10 +65,7 @@ class Exchange:
         )
 
     def has_news(self, now: float) -> bool:
-        """Whether others wait to hear from us: a bid, that we have everybody's, that a slot is passed on.
-
-        A table that lacks bids is no news yet, for nobody else has it; nor is what others know sooner than we.
-        """
+        """Whether others wait to hear from us: a bid, that we have everybody's, that a slot is passed on."""
         if self._agreement.silent:
             return False
         return self._again or now >= min(self.requests_at, self.repeats_at) or self.has_statement

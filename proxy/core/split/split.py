@@ -3,24 +3,65 @@
 import math
 from collections.abc import Collection, Sequence
 
-from proxy.core.protocol.bid import UNIT, Bid
+from proxy.core.protocol.bid import UNIT, Bid, alike, alike_but_for_slots, few_parts
 from proxy.core.protocol.split_report import SplitReport
 from proxy.core.split.agreement import Agreement
+from proxy.core.split.allocation import worth_of_equal
 from proxy.core.split.exchange import Exchange
 from proxy.core.split.own_part import OwnPart
-from proxy.core.split.proposal import worthwhile
 from proxy.core.split.tuning import TUNING
 from proxy.core.split.turns import Turn
+
+
+def worthwhile(agreement: Agreement, bid: Bid) -> bool:
+    """Whether our bid should be this one from now on, as an agreement on it is worth it."""
+    same = alike(agreement.bid[1], bid) or indifferent(agreement, bid)
+    return not same or starves(agreement, bid)
+
+
+def outdoes_equal(agreement: Agreement) -> bool:
+    """Whether the parts that all agreed on are worth much more to all together than equal ones."""
+    table = agreement.log.agreed
+    bids = {tag: entry[1] for tag, entry in table.entries.items() if entry is not None}
+    return agreement.formed and table.allocation.worth(bids) > TUNING.unequal_gain * worth_of_equal(bids)
+
+
+def indifferent(agreement: Agreement, bid: Bid) -> bool:
+    """Whether little would be gained if all agreed on this bid: about what each has, or slots alone change hands."""
+    if (bids := _bids_with(agreement, bid)) is None:
+        return False
+    newest = agreement.log.newest
+    had, allocation = newest.allocation, newest.allocated(bids)
+    if allocation.resembles(had):
+        return True
+    slots = alike_but_for_slots(agreement.bid[1], bid) and all(map(few_parts, bids.values()))
+    if not slots or allocation.largest(agreement.own) > TUNING.message_growth * had.largest(agreement.own):
+        return False
+    return allocation.worth(bids) < (1.0 + TUNING.slot_gain) * had.worth(bids)
+
+
+def starves(agreement: Agreement, bid: Bid) -> bool:
+    """Whether no message fits what we have, though one would with this bid (one of four robots was silent for 12 s)."""
+    newest = agreement.log.newest
+    if newest.allocation.carries(agreement.own, bid):
+        return False
+    bids = _bids_with(agreement, bid)
+    return bids is not None and newest.allocated(bids).carries(agreement.own, bid)
+
+
+def _bids_with(agreement: Agreement, bid: Bid) -> dict[str, Bid] | None:
+    """Return everybody's bid and this one of ours, if we have all."""
+    newest = agreement.log.newest
+    bids = {tag: entry[1] for tag, entry in newest.entries.items() if entry is not None} | {agreement.own: bid}
+    return bids if newest.complete and bids.keys() == agreement.members else None
 
 
 class Split:
     """One robot's part of every shared limit, by what it has heard so far.
 
-    `windows` are those of the shared limits [s]. `floor` is the part of the limits that is kept for newcomers. At
-    `settled_at` [s] all who are there have seen us: a robot that sees nobody then has everything. `kind` stands for
-    what all must share to take part together (limits, specs); `version` is greater than any announced under our tag
-    before. `twice`: what is news is announced two times. Digests of a peer come in the order in which it sent them;
-    late ones are left out by the caller.
+    `windows` are those of the limits [s], `floor` is the part for newcomers. At `settled_at` [s] all have seen us.
+    `kind` stands for what all must share (limits, specs); `version` is greater than any announced under our tag.
+    `twice`: news is announced two times. Digests of a peer come in the order in which it sent them.
     """
 
     def __init__(
@@ -97,10 +138,7 @@ class Split:
         self.exchange.heard(now, announcement, sent, unconfirmed)
 
     def sent(self, now: float, uses: Sequence[float], windows: float = 1.0) -> bool:
-        """We sent a message that uses such parts of the shared limits; return whether we passed a slot on.
-
-        One that is larger than all that we may use has so many windows for itself, until all of it would have fitted.
-        """
+        """We sent a message that uses such parts of the limits, over so many windows; whether we passed a slot on."""
         self.own_part.sent(now, uses, windows)
         changes = self.agreement.newcomer or self.agreement.turns
         return bool(changes) and self.advance(now, self.exchange.delay, self._passes_at)
@@ -108,9 +146,7 @@ class Split:
     def advance(self, now: float, delay: float, passes_at: float = -math.inf) -> bool:
         """Time passed; news take so long to others [s]. Return whether we passed a slot on.
 
-        Not before that could be told [s]: until the next robot hears of it nobody has the slot. Where it was passed on
-        all the same twelve robots whose first states had taken 18 s of the allowance used 14 to 24 % of a limit for as
-        long, and use 60 to 70 now (0.3 Mbit/s, unicast).
+        Not before that could be told [s]: else twelve robots used 14 to 24 % of a limit, and use 60 to 70 now.
         """
         self.exchange.note_delay(delay)
         self._passes_at = passes_at

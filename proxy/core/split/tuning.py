@@ -18,9 +18,8 @@ class SplitTuning:
     unequal_gain: float = 1.15
     """Parts are much better than equal ones that are worth so many times as much to all who have them."""
     slot_gain: float = 0.1
-    """Slots change hands where all together gain so much. Until all agree on it each has the least that any table gives
-    it: for some seconds, in a team of ten for 20. Where slots that are worth no more were reason enough four cameras
-    reached 91 % of a central decider, now 93 (300 ms), and ten robots with equal messages 75 to 91, now 79 to 94."""
+    """Slots change hands where all together gain so much, as until all agree each has the least that any table gives
+    it: else four cameras reached 91 % of a central decider, now 93, ten robots 75 to 91, now 79 to 94."""
     message_growth: float = 1.1
     """Slots change hands, too, where we could send messages that are so many times as large."""
 
@@ -33,8 +32,7 @@ class SplitTuning:
     alike_part: float = 0.125
     """Amounts are about the same, and not worth an agreement, that differ by no more than this part..."""
     alike_units: int = 50
-    """... and so many units. With these, and new streams that ask for little, frames of four robots of *mixed* traffic
-    reach 61 % of a central decider's utility instead of 48."""
+    """... and so many units: frames of four robots of *mixed* traffic reach 61 % of central so, not 48."""
     urgency_levels: int = 4 * STEPS
     """Who gains sixteen times as much by a message has the first turn with a slot."""
     whole_slot: int = UNIT // 2
@@ -43,17 +41,13 @@ class SplitTuning:
     small_message: float = 0.05
     """Messages up to this part of a limit are asked for as divisible room, at most half of an equal part."""
     rate_shares: tuple[float, ...] = (0.125, 0.25, 0.5, 1.0)
-    """What small messages ask for is valued at such parts of their rate: the first ones are worth more than the last.
-    Where all was valued alike, the first robots of eight with equal streams of 14 Hz and 3 % of the limit got
-    all that they asked for, and the others nothing: 67 % of a central decider (unicast, 20 ms), and 98 now..."""
+    """Small messages are valued at such parts of their rate: with one value eight robots reached 67 %, not 98..."""
     much: float = 0.5
-    """... where a stream asks for more than this part of an equal one. Odometry beside cameras asks for less, and comes
-    before frames as a whole: else eight robots sent 84 % of it where news took 300 ms."""
+    """... where a stream asks for more than this part of an equal one: else 84 % of odometry was sent at 300 ms."""
     spare_deviations: float = 3.0
     """Room beside the mean is asked for as so many standard deviations of what is generated in a window..."""
     spare_levels: int = 2 * STEPS
-    """... at so many levels less: half of the windows use some of it, one in a hundred all. With four robots of *mixed*
-    traffic 83 % of small samples were sent where it was room for one message more, and 99 so."""
+    """... at so many levels less: robots of *mixed* traffic send 99 % of small samples, with room for one more 83."""
     divisible_segments: int = 4
     """Segments of small messages."""
     sizes: int = 8

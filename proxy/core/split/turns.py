@@ -1,9 +1,7 @@
 """Turns: who of those that share a slot may use it, as with the token of a token ring.
 
-A slot's turn has a number. The robot at that place of the ring holds the slot, and it alone makes the number greater.
-A robot knows each number that it announced itself. So two robots never hold a slot at once, however digests are lost,
-late or repeated. What was sent in the slot stays in the window for a while: who passes the slot on announces how long
-it has been unused.
+A slot's turn has a number; the robot at that place of the ring holds the slot, and alone makes the number greater. So
+two robots never hold a slot at once, however digests are lost. Who passes it on announces how long it has been unused.
 """
 
 import math

@@ -64,7 +64,6 @@ class Inbound:
     def __init__(self, offset: ClockOffset) -> None:
         self._offset = offset
         self.samples = 0
-        """Samples heard."""
         self.implausible = 0
         """Those whose timestamp could not be right."""
         self.evicted = 0
@@ -75,7 +74,7 @@ class Inbound:
         self._unread: deque[_Heard] = deque(maxlen=TUNING.unread_timestamps)
         self._samples = LatencyFit()
         self._digests = LatencyFit()
-        self._losses = Loss()
+        self.losses = Loss()
         self._sent, self._came = 0, 0
         """Samples of all streams that were sent to us, and those of them that came."""
         self._last: tuple[float, int] = (0.0, 0)
@@ -95,22 +94,10 @@ class Inbound:
         """What samples take to us; while that is unknown, half of what digests take there and back."""
         return self.latency or self._offset.line
 
-    @property
-    def loss(self) -> float | None:
-        """The part of the samples sent to us that does not reach us; None while unknown."""
-        return self._losses.share
-
-    @property
-    def counted(self) -> tuple[int, int]:
-        """How many samples were sent to us lately, and how many of these got lost."""
-        return self._losses.counted
-
     def heard_sample(self, now: float, key: str, size: int, stamp: float | None) -> tuple[float, float] | None:
         """A sample arrived; `stamp` is on its robot's wall clock [s].
 
-        Return when it was generated and sent, on our clock [s], by what samples take and how long they wait; None while
-        that is not known. Its timestamp serves to find what samples take, once it is sure that the clock was not set
-        meanwhile.
+        Return when it was generated and sent, on our clock [s], by what samples take and wait; None: not known.
         """
         self.samples += 1
         if self._last[1]:
@@ -135,9 +122,7 @@ class Inbound:
     def heard_news(self, now: float, key: str, news: StreamDigest, *, counts: bool) -> None:
         """The robot tells of a stream. The news `counts` if each sample is for us and those it tells of have come.
 
-        But for the last one, which may be on its way: it counts when the next one is told of. Where it was taken for
-        lost, robots took their own samples to arrive more surely than those of others, and where one of two should
-        send both did: of ten robots with equal messages in a fifth of such cases (100 ms, broadcast).
+        But for the last one, which may be on its way: else of ten robots two sent a fifth of what one should (100 ms).
         """
         incoming = self._of(key)
         before, heard = incoming.counted, incoming.heard
@@ -160,10 +145,7 @@ class Inbound:
             self._digests.observe(now, size, max(0.0, now - self._offset.ours(sent)))
 
     def forget_queue(self, now: float) -> None:
-        """Forget what samples took in a queue when none came lately and digests are quicker.
-
-        A robot that believes in the queue sends no samples, as they would come too late: it would never learn better.
-        """
+        """Forget what samples took in a queue when none came lately and digests are quicker: nobody would send."""
         at, size = self._last
         if not self._offset.known or now < at + max(TUNING.unconfirmed_for, TUNING.unconfirmed_gaps * self._period):
             return
@@ -184,16 +166,16 @@ class Inbound:
 
     def restart_losses(self) -> None:
         """Forget the counts: from now on the other robot counts other samples than we do."""
-        self._losses.restart()
+        self.losses.restart()
         for incoming in self._streams.values():
             incoming.restart()
 
     def _count(self, sent: int, came: int) -> None:
-        if not self._losses.begun:
-            self._losses.read(self._sent, self._came)
+        if not self.losses.begun:
+            self.losses.read(self._sent, self._came)
         self._sent += sent
         self._came += came
-        self._losses.read(self._sent, self._came)
+        self.losses.read(self._sent, self._came)
 
     def _under_way(self, now: float, incoming: Incoming, news: StreamDigest) -> bool:
         """Whether the last sample that a robot sent has not come, and may come yet."""
@@ -204,10 +186,7 @@ class Inbound:
         return now < sent + (TUNING.slow_sample * line.of(news.size) if line else TUNING.oldest_arrival)
 
     def _compare(self, incoming: Incoming, news: StreamDigest) -> None:
-        """All samples that were sent came, so the news tells when the last one was sent, whatever its timestamp.
-
-        What was learnt from timestamps of another clock is forgotten.
-        """
+        """All samples that were sent came, so the news tells when the last one was, and if its timestamp is astray."""
         if incoming.stamp < 0.0 or self.wall_offset is None or not self._offset.known:
             return
         incoming.judge(news.t_forwarded, self.wall_offset, news.period)
@@ -216,10 +195,7 @@ class Inbound:
             self._samples = LatencyFit()
 
     def _read(self, until: float, *others: float) -> None:
-        """Read the timestamps of samples that came until then: that the wall clock was set would be known by now.
-
-        The wall clock may also have had the offsets `others`; the likeliest reading counts.
-        """
+        """Read the timestamps of samples that came until then, by the likeliest of the wall clock's offsets."""
         while self._unread and self._unread[0].at <= until:
             heard = self._unread.popleft()
             took = None if heard.stream.astray else self._took(heard, self.wall_offset)

@@ -1,9 +1,7 @@
 """How long samples take from being sent to being received, by their size: a fixed part, and one per byte.
 
-A robust line: sizes are sorted into classes, the recent samples of each are summed up by their medians, and the slope
-is the weighted median of the slopes between the classes (after Theil and Sen; weights by distance, after Jaeckel),
-never negative. So a few samples that waited much longer than the others alter nothing, and a size that is seldom sent
-is not forgotten because of one that is sent all the time. Where sizes do not differ enough all is the fixed part.
+A robust line: medians of recent samples by classes of sizes, and the weighted median of the slopes between them (after
+Theil and Sen; weights by distance, after Jaeckel), never negative.
 """
 
 from collections import deque

@@ -1,10 +1,8 @@
 """The clock offset between two robots from four timestamps: a digest out, its echo back.
 
-No message arrives before it is sent. So each digest heard bounds the offset from above, each echo of one of ours from
-below. A bound goes on holding if it is widened by what clocks can have drifted since. The offset is between the best
-bounds there ever were. Their middle is the estimate, and half the width between them is what the estimate may be wrong
-by, however long messages waited: half the best round trip, and the drift since. Where ways take long that is much. So
-wall clocks that both robots know to be right bound the offset, too, unless digests prove them wrong.
+Each digest heard bounds the offset from above, each echo of one of ours from below, both widened by what clocks can
+have drifted since. The middle of the best bounds is the estimate, half their width what it may be wrong by. Wall clocks
+that both robots know to be right bound it, too, unless digests prove them wrong.
 """
 
 import math
@@ -81,10 +79,7 @@ class ClockOffset:
 
     @property
     def offset(self) -> float:
-        """Our clock minus the peer's [s] at the last digest; without echoes, as if the way here took what is presumed.
-
-        What wall clocks show counts in any case.
-        """
+        """Our clock minus the peer's [s] at the last digest; without echoes as if the way here were as presumed."""
         if self._offset is None:
             self._offset = self._estimated()
         return self._offset

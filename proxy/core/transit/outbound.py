@@ -73,22 +73,12 @@ class Outbound:
         """What our samples take to it, as it tells; None while unknown."""
         self._marks: deque[tuple[float, int]] = deque(maxlen=TUNING.digests_awaiting_echoes)
         """Send times of our last digests, and `sent` then."""
-        self._losses = Loss()
+        self.losses = Loss()
 
     @property
     def line(self) -> Latency | None:
         """What our samples take to the robot, else half of what digests take there and back; None while unknown."""
         return self.latency or self._offset.line
-
-    @property
-    def loss(self) -> float | None:
-        """The part of our samples that does not reach the robot; None while unknown."""
-        return self._losses.share
-
-    @property
-    def counted(self) -> tuple[int, int]:
-        """How many samples were sent to it lately, and how many of these got lost."""
-        return self._losses.counted
 
     def handed(self, count: int) -> None:
         """So many samples were handed to the mesh for the robot."""
@@ -106,11 +96,11 @@ class Outbound:
         self.received, self.latency = echo.samples, latency_of(echo)
         sent = next((count for at, count in self._marks if abs(at - echo.sent) < TUNING.same_time), None)
         if sent is not None:
-            self._losses.read(sent, echo.samples)
+            self.losses.read(sent, echo.samples)
 
     def restart_losses(self) -> None:
         """Forget the counts: from now on the other robot counts other samples than we do."""
-        self._losses.restart()
+        self.losses.restart()
 
 
 def latency_of(echo: Echo) -> Latency | None:

@@ -13,8 +13,7 @@ class TransitTuning:
     resolution: float = 2e-6
     """Times lose this much on the wire [s]."""
     same_time: float = 1e-5
-    """Times of one clock that differ by less are the same: of a timestamp whose clock stands still, of a digest that
-    was rounded on the wire [s]."""
+    """Times of one clock that differ by less are the same: a clock stood still, or a digest was rounded [s]."""
     wall_clock_set: float = 5e-4
     """A wall clock that moved by more than this was set [s]."""
     wall_step_told_within: float = 2.0
@@ -32,8 +31,7 @@ class TransitTuning:
     timestamp_mismatch: float = 2.0
     """A timestamp that is further than this from when its sample was sent is of another clock [s]."""
     parts_of_a_second: float = 8192.0
-    """Timestamps are read to this part of a second, which is coarser than what a wall clock of today tells as a
-    number."""
+    """Timestamps are read to this part of a second, coarser than what a wall clock tells as a number."""
 
     # What is remembered of the samples of a robot
     streams: int = 1024
@@ -53,8 +51,7 @@ class TransitTuning:
     unconfirmed_for: float = 10.0
     """No sample came for this long [s],"""
     gap_fade: float = 0.9
-    """nor for so many of the longest gaps between samples (each sample that comes sooner shrinks the longest gap to
-    this part of it),"""
+    """nor for so many of the longest gaps, which each sample that comes sooner shrinks to this part,"""
     unconfirmed_gaps: float = 3.0
     """which are so many."""
     quicker_ratio: float = 0.5

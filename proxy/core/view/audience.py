@@ -1,24 +1,103 @@
-"""Those that gain by a stream, by how long its messages take to them and how surely they get there."""
+"""The ways of messages from robot to robot, how long and how sure, and those that gain by a stream so."""
 
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 from planner import Receiver
 from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import tag
+from proxy.core.transit.latency import Latency, middle
+from proxy.core.transit.outbound import share_of
 from proxy.core.view.members import Members
-from proxy.core.view.paths import Fan, Paths, Way
 from proxy.core.view.stream import Stream
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.tuning import TUNING
 
+Known = dict[str, tuple[Latency | None, float | None]]
+"""What is known of ways, by the tags of the receivers: time and loss; None where it is not."""
+
+
+class Way(NamedTuple):
+    """The way of a message to one robot: it takes `latency` [s] and gets there with the chance `share`."""
+
+    latency: float
+    share: float = 1.0
+
+
+class Fan:
+    """What is known of the ways of a robot's samples, in the order of the receivers' tags, and their mean time."""
+
+    def __init__(self, known: Known) -> None:
+        self.mean = _mean(line for line, _ in known.values() if line is not None)
+        self._known = sorted(known.items())
+
+    @property
+    def alike(self) -> "Fan":
+        """The same, with the mean loss on all ways."""
+        return Fan({name: (line, None) for name, (line, _) in self._known})
+
+    def ways(self, gaining: tuple[str, ...], size: float, lost: float) -> list[Way]:
+        """Return the ways of a sample of `size` [B] to those that gain by it; where unknown the mean time and loss."""
+        names, share, mean = set(gaining), 1.0 - lost, self.mean.of(size)
+        found = [
+            Way(mean if line is None else line.of(size), share if loss is None else 1.0 - min(TUNING.most_loss, loss))
+            for name, (line, loss) in self._known
+            if name in names
+        ]
+        unknown = len(gaining) - len(found)
+        return [*found, Way(mean, unknown * share)] if unknown else found
+
+
+class Paths:
+    """The ways between the robots that are here, and the loss on all of them."""
+
+    def __init__(self, settings: CoreSettings, members: Members) -> None:
+        self._own = settings.robot, tag(settings.zid)
+        self._members = members
+
+    def of(self, robot: str) -> Fan:
+        """Return the ways of a robot's samples."""
+        if robot != self._own[0]:
+            return Fan(self._from(robot))
+        return Fan({name: (p.outbound.line, p.outbound.losses.share) for name, p in self._members.peers.items()})
+
+    def on_air(self, gaining: tuple[str, ...], size: float) -> float | None:
+        """Return what samples of `size` [B] take beyond digests to those that gain by ours, by the median told [s]."""
+        senders = self._members.peers
+        peers = [peer for name in gaining if (peer := senders.get(name)) is not None]
+        lines = [(peer, peer.outbound.latency) for peer in peers]
+        lines += [(peer, each.heard_by.get(peer.tag)) for peer in peers[: TUNING.told_by] for each in senders.values()]
+        told = [max(0.0, line.of(size) - peer.offset.latency) for peer, line in lines if line is not None]
+        return middle(told) if told else None
+
+    def mean_loss(self) -> float:
+        """Return the loss of all samples that went on ways that we know; 0.0 when we know none."""
+        counted = [peer.counted_samples for peer in self._members.peers.values()]
+        share = share_of(sum(sent for sent, _ in counted), sum(lost for _, lost in counted))
+        return min(TUNING.most_loss, share or 0.0)
+
+    def _from(self, robot: str) -> Known:
+        sender = self._members.called(robot)
+        if sender is None:
+            return {}
+        heard = sender.heard_by
+        known: Known = {name: (heard[name], None) for name in (self._members.peers if heard else ()) if name in heard}
+        known[self._own[1]] = sender.inbound.line, sender.inbound.losses.share
+        return known
+
+
+def _mean(lines: Iterable[Latency]) -> Latency:
+    known = list(lines)
+    if not known:
+        return Latency(0.0)
+    return Latency(sum(each.fixed for each in known) / len(known), sum(each.per_byte for each in known) / len(known))
+
 
 def grouped(ways: Iterable[Way]) -> tuple[float, tuple[Receiver, ...]]:
-    """Return the least latency [s], and the receivers with their delays after it; each robot counts once.
-
-    As far as messages get to it. There is at least one way.
-    """
+    """Return the least latency [s], and the receivers with their shares and delays after it; there is a way."""
     alike: dict[int, list[Way]] = {}
     for way in ways:
         alike.setdefault(round(way.latency / TUNING.alike_latency), []).append(way)
@@ -38,7 +117,6 @@ def _joined(ways: list[Way]) -> Way:
 
 
 def _with_nearest_joined(groups: list[Way]) -> list[Way]:
-    """Join the two neighbours that are closest."""
     gaps = [after.latency - before.latency for before, after in pairwise(groups)]
     at = gaps.index(min(gaps))
     return [*groups[:at], _joined(groups[at : at + 2]), *groups[at + 2 :]]
@@ -46,10 +124,7 @@ def _with_nearest_joined(groups: list[Way]) -> list[Way]:
 
 @dataclass(frozen=True, slots=True)
 class Audience:
-    """Those that gain by a stream: a message of `size` [B] takes `latency` [s] to the first of the `receivers`.
-
-    Every byte more adds `per_byte` [s/B].
-    """
+    """Those that gain by a stream: `size` [B] take `latency` [s] to the first, every byte more `per_byte` [s/B]."""
 
     size: int
     latency: float
@@ -83,11 +158,7 @@ def audience_of(fan: Fan, gaining: tuple[str, ...], size: int, lost: float) -> A
 
 
 class Audiences:
-    """The audience of each stream, looked at anew when somebody joins or leaves it, and now and then.
-
-    In large teams that is more work, and done more rarely. Streams of one robot whose samples are of about one size,
-    and which the same robots want, have one audience.
-    """
+    """The audience of each stream, one for streams that are alike, looked at anew when it changes, and now and then."""
 
     def __init__(self, settings: CoreSettings, members: Members, subscribers: Subscribers, paths: Paths) -> None:
         self._settings = settings
@@ -101,12 +172,10 @@ class Audiences:
         """Whether as much is taken to be lost on all ways."""
 
     def take_alike(self, *, alike: bool) -> None:
-        """Take as much to be lost on all ways, so that all robots know the same of each, or what is known of each.
+        """Take as much to be lost on all ways, so that all robots know the same, or what is known of each.
 
-        A robot knows other ways than others do, each from a few samples. Where nobody gives way to another one, and all
-        plans have to be the same, ten robots with equal messages (most important, 20 ms, 10 % lost) had 6.5 to 9.4 % of
-        the windows over the limit by that, and have 0 to 1; on a channel that refuses what exceeds it, which is lost,
-        11 % of what they sent was refused (100 ms, 2 %), and nothing is.
+        Where all plans have to be the same ten robots had 6.5 to 9.4 % of the windows over, and have 0 to 1 (10 %
+        lost).
         """
         if alike != self._alike:
             self._alike = alike
@@ -125,9 +194,7 @@ class Audiences:
 
     def to(self, now: float, name: str, size: int) -> Audience:
         """Return the robot with this tag as the only one that gains by a message of ours of so many bytes."""
-        fan = self._paths.of(self._settings.robot)
-        first, receivers = grouped(fan.ways((name,), size, self._loss(now)))
-        return Audience(size, first, fan.mean.per_byte, receivers)
+        return audience_of(self._paths.of(self._settings.robot), (name,), size, self._loss(now))
 
     def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> "_Looked":
         """Look at the ways of a stream, unless those of another stream that are the same were looked at lately."""
@@ -144,7 +211,6 @@ class Audiences:
         return found
 
     def _loss(self, now: float) -> float:
-        """The mean loss, looked at anew when time passed."""
         if now != self._lost_at:
             self._lost, self._lost_at = self._paths.mean_loss(), now
         return self._lost

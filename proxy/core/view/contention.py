@@ -1,24 +1,17 @@
-"""Who competes for the channel: the streams of which more is worth anything to somebody, and is to be expected.
-
-A large team has far more streams than a window has places, and most streams have not changed since the last decision.
-So what is asked of streams is kept in rows, and worked out anew only for streams of which something was noted since.
-"""
+"""Who competes for the channel: in rows, worked out anew only for streams of which something was noted since."""
 
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Container, Iterable
 
 from proxy.core.view.peer import Staleness
-from proxy.core.view.stream import Stream, at_stake
-from proxy.core.view.streams import Place, Streams, Turn
+from proxy.core.view.stream import Place, Stream, at_stake
+from proxy.core.view.streams import Streams, Turn
 from proxy.core.view.subscribers import Subscribers
 
 
 class _Row:
-    """What there is to know of a stream as it was after so many changes, `seen`; `cheapness`: a byte's worth, negated.
-
-    It was last generated at `last`, may be silent for `patience`, and generates next at about `due` [s].
-    """
+    """What there is to know of a stream after changes `seen`: a byte's worth, negated, the `last` and next [s]."""
 
     __slots__ = ("cheapness", "due", "last", "patience", "seen", "stream", "wanted")
 
@@ -29,7 +22,6 @@ class _Row:
         self.cheapness = self.last = self.patience = self.due = 0.0
 
     def look(self, subscribers: Subscribers) -> None:
-        """Work it out anew."""
         stream, last = self.stream, self.stream.last
         self.seen = stream.changes
         gaining = 0 if last is None else len(subscribers.gaining(stream))
@@ -61,16 +53,13 @@ class Contention:
     ) -> list[Stream]:
         """Return those streams that compete for which a window of `most` messages has places, by robot and key.
 
-        With a `robot` only its streams compete, and those `besides` do not.
-
-        Half of the places are for those worth most per byte on the air, half for those that generate next. Both are
-        only estimated: a look at each stream has to do.
+        Half for those worth most per byte on the air, half for those that generate next; of a `robot`, none `besides`.
         """
         rows = self._competing(now)
         if robot is not None:
             rows = [row for row in rows if row.stream.robot == robot]
         if besides:
-            rows = [row for row in rows if (row.stream.robot, row.stream.key) not in besides]
+            rows = [row for row in rows if row.stream.place not in besides]
         if len(rows) > most:
             rows = _ranked(now, most, rows)
         return [row.stream for row in rows]
@@ -80,10 +69,7 @@ class Contention:
         return [row.stream for row in self._competing(now)]
 
     def competes(self, now: float, stream: Stream) -> bool:
-        """Whether more of the stream is worth anything to somebody, and more is to be expected.
-
-        How long it is silent only its robot's news tells.
-        """
+        """Whether more of the stream is worth anything to somebody, and more is to be expected by its robot's news."""
         if stream.last is None or stream.schedule.over(self._staleness.reported_until(stream.robot, now)):
             return False
         return len(self._subscribers.gaining(stream)) > 0
@@ -99,10 +85,9 @@ class Contention:
         return self._known[1]
 
     def _renew(self) -> bool:
-        """Work out anew the rows of streams of which something was noted, or all rows when a change concerns all.
+        """Work out anew the rows of streams of which something was noted; return whether any row is another one.
 
-        Where only streams came or went the others keep their rows: two thousand keys that came one by one took a core
-        22 s where each had all rows put in order anew. Return whether any row is another one.
+        All rows only where a change concerns all: else 2,000 keys that came one by one took a core 22 s.
         """
         changed = self._revision != self._table.revision
         if changed:
@@ -119,13 +104,11 @@ class Contention:
         return changed
 
     def _set_rows(self, streams: Iterable[Stream]) -> None:
-        """Have a row for each stream."""
-        self._rows = sorted(map(_Row, streams), key=lambda row: _place(row.stream))
-        self._places = [_place(row.stream) for row in self._rows]
+        self._rows = sorted(map(_Row, streams), key=lambda row: row.stream.place)
+        self._places = [row.stream.place for row in self._rows]
         self._count = Counter(robot for robot, _ in self._places)
 
     def _turn(self, turn: Turn) -> None:
-        """A stream came, or went."""
         at, robot = bisect_left(self._places, turn.place), turn.place[0]
         if turn.there:
             self._places.insert(at, turn.place)
@@ -136,10 +119,6 @@ class Contention:
         self._count[robot] -= 1
         if not self._count[robot]:
             del self._count[robot]
-
-
-def _place(stream: Stream) -> Place:
-    return stream.robot, stream.key
 
 
 def _ranked(now: float, most: int, rows: list[_Row]) -> list[_Row]:

@@ -18,10 +18,7 @@ class Echoes:
         self._peers = peers
 
     def due(self, now: float, *, quickest: bool = False) -> tuple[Echo, ...]:
-        """Echo the last digest of each peer, or the `quickest` one since its last echo, and tell what its samples take.
-
-        In a large team, where an echo is rare, who has just been met is left out: while robots start all is slow.
-        """
+        """Echo the last digest of each peer, or the `quickest` one, and what its samples take; of many no new one."""
         echoes = []
         for name, peer in sorted(self._peers.items(), key=self._order):
             heard = (peer.quickest if quickest else None) or peer.last_heard
@@ -55,8 +52,7 @@ class Echoes:
     def presume_ways(self) -> None:
         """Ways without an echo are taken to be as long as the shortest way that is known.
 
-        When such ways were taken to need no time, ten robots with equal messages exceeded the limit in 4 to 16 % of the
-        windows at 100 and 300 ms though each knew one way; now they do in 1 to 11 %.
+        Taken to need no time ten robots had 4 to 16 % of the windows over the limit, and have 1 to 11 (100 and 300 ms).
         """
         known = [peer.offset.latency for peer in self._peers.values() if peer.offset.known]
         for peer in self._peers.values():
@@ -66,10 +62,7 @@ class Echoes:
         return len(self._peers) <= TUNING.peers_always_echoed or now >= peer.since + TUNING.unechoed_after_meeting
 
     def _order(self, entry: tuple[str, Peer]) -> tuple[bool, bool, str]:
-        """A robot that knows no way yet is echoed first; of several such robots each of us begins with another one.
-
-        When all began with the same one, nine of ten robots did not know after 25 s that news took 300 ms.
-        """
+        """Robots that know no way first, from another one on for each of us: else nine of ten knew none after 25 s."""
         name, peer = entry
         return peer.echoed, name < self._own, name
 

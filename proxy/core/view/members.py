@@ -15,7 +15,6 @@ class Members:
         self._own = settings.robot, tag(settings.zid)
         self._peers: dict[str, Peer] = {}
         self.peers: Mapping[str, Peer] = self._peers
-        """The other robots, by tag."""
         self.tags: dict[str, str] = {}
         """The tags of all robots by their names, our own included."""
         self.evicted = 0
@@ -56,10 +55,7 @@ class Members:
 
     @property
     def unannounced(self) -> int:
-        """How many robots may want what we send though they did not say so: Zenoh knows sooner than they can.
-
-        However many sessions have one name, they are one robot.
-        """
+        """How many robots, of different names, may want what we send though they did not say so: Zenoh knows sooner."""
         peers = self._peers
         return len({peers[name].name for name in self._silent if not peers[name].plain}) if self._silent else 0
 

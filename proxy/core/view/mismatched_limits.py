@@ -1,7 +1,4 @@
-"""Robots on the mesh with which nobody here can share: no team waits for them, and its operator is told.
-
-Such robots have other limits, as they have other specs; or they say nothing that is understood here.
-"""
+"""Robots that have other limits, or say nothing that is understood: no team waits for them, and operators are told."""
 
 import math
 from collections.abc import Iterable, Mapping

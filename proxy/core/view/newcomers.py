@@ -17,7 +17,6 @@ class Newcomers:
         self._streams = streams
         self._subscribers = subscribers
         self._met_at = -math.inf
-        """When a robot was met last [s]."""
         self._doubted_at = -math.inf
         """When somebody last turned out to say nothing [s]."""
 
@@ -31,29 +30,21 @@ class Newcomers:
             self._doubted_at = now
 
     def in_doubt(self, now: float) -> bool:
-        """Whether who comes now may be nobody, as a token costs nothing, and many may come and go.
-
-        It takes part from its first word on. So it is where the team has been there for a while: a team that begins
-        has no time to wait for all that each says.
-        """
+        """Whether who comes now, to a team that has begun, may be nobody, and takes part from its first word on."""
         since = now - TUNING.team_begins
         return now < self._doubted_at + TUNING.doubt_time or any(
             peer.since <= since and not peer.silent for peer in self._peers.values()
         )
 
     def met_lately(self, now: float) -> list[Peer]:
-        """Return the robots of which little may be known yet: they, or our own streams, have just come.
-
-        Teams are often switched on before anything is sent.
-        """
+        """Return the robots of which little may be known yet: they, or our own streams, have just come."""
         began, time = self._began(), TUNING.newcomer_time
         return [peer for peer in self._peers.values() if now < max(peer.since, began) + time and not peer.plain]
 
     def little_known(self, now: float) -> list[Peer]:
         """Return the robots that may send more than is known of them: they have been met lately, or news were lost.
 
-        Of some streams only their states tell then. In unicast news of small ones come seldom: of eight robots with
-        cameras one took another one's 14 samples a window for none for 20 s, and two of its frames for what fits.
+        One of eight robots took 14 samples a window of another one for none for 20 s, as only its state told of them.
         """
         met, known = self.met_lately(now), self._streams.known
         untold = (
@@ -65,10 +56,7 @@ class Newcomers:
         return [*met, *untold]
 
     def greeted_by(self, now: float) -> float:
-        """Until when a robot that has just been met may still tell what it sent lately [s]; −∞ where all have told.
-
-        Nobody waits for tokens once one of them has turned out to be nothing more.
-        """
+        """Until when a robot that has just been met may tell what it sent lately [s]; −∞: all have, or are tokens."""
         time = TUNING.greeting_time
         if now >= self._met_at + time:
             return -math.inf
@@ -79,8 +67,7 @@ class Newcomers:
     def only_listens(self, peer: Peer) -> bool:
         """Whether a robot has sent nothing though we have sent for a while: an operator only listens.
 
-        Not one with samples that others want, and no room for any: of eight robots that shared a limit equally one did
-        not count, and 13 % of the windows were over the limit.
+        Not one with samples that others want, and no room: else 13 % of the windows of eight robots were over.
         """
         if peer.counted is None:
             return False

@@ -34,12 +34,8 @@ class News:
     def take_state(self, now: float, peer: Peer) -> None:
         """A peer announced its state: what it says of its streams holds, and news that waited for keys is taken in.
 
-        News that waited for its key is older than what came since: where that counted it seemed lost later, and an
-        operator of eight robots took 17 % for lost where all came.
-
-        A stream with another number than before its robot has forgotten meanwhile, as specs did not cover it or there
-        were too many: it counts from 1. Where others kept their counts nothing that it sent counted until it had caught
-        up: of two robots 96 % of the windows were over the limit, by up to 1.6.
+        That does not count for losses (17 % seemed lost where all came). A stream with another number than before
+        counts from 1: else 96 % of the windows of two robots were over the limit until it had caught up.
         """
         for key, told in peer.told.items():
             stream = self._streams.known(peer.robot, key)
@@ -53,10 +49,7 @@ class News:
             self._take(now, peer, peer.keys[news.id], news, counts=False)
 
     def _postpone(self, now: float, peer: Peer, news: StreamDigest) -> None:
-        """Keep news of a stream whose key is not known yet; what was sent counts as if one robot wanted it.
-
-        In a team that starts, states come seconds after the first frames: eight robots exceeded the limit meanwhile.
-        """
+        """Keep news of a stream whose key is not known yet; what was sent counts as if one robot wanted it."""
         more = peer.pending.keep(news)
         # Not if it does not say how large it was, or was heard from the air.
         if more and news.size and not self._subscribers.overhears(peer.robot):
@@ -87,11 +80,7 @@ class News:
             self._traffic.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
 
     def _stream_of(self, now: float, robot: str, key: str, news: StreamDigest) -> Stream | None:
-        """Return the stream that news is of; None where it does not count.
-
-        News of fewer samples that were generated than are known contradicts that, and does not count at first. Where
-        nothing else has been told for a while what is known was forged, and the stream begins anew.
-        """
+        """Return the stream that news is of; None where it tells of less than is known, which may have been forged."""
         known = self._streams.known(robot, key)
         if known is not None and news.generated < known.generated:
             if now < known.touched + TUNING.implausible_for:
@@ -109,9 +98,6 @@ def _completed(stream: Stream, news: StreamDigest, told: StreamState | None) -> 
 
 
 def _last_sent(news: StreamDigest, t_sent: float, last: Generated, before: Generated | None) -> Sent:
-    """What a stream last sent: news tells when it was sent, and what was last generated, be that sent or not.
-
-    What was generated later than that was sent is another sample: then the one before is the best that we know.
-    """
+    """What a stream last sent, as far as news tell: the last one generated, or if that came later the one before."""
     like = last if news.t_forwarded >= news.t_generated or before is None else before
     return Sent(t_sent, t_sent, like.size, like.scale, like.features, told=True)

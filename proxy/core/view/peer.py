@@ -35,12 +35,7 @@ class PendingNews:
         return len(self._news)
 
     def keep(self, news: StreamDigest) -> bool:
-        """Keep news; return whether it surely tells of another sample that was sent.
-
-        Of too many the one not heard of for longest is forgotten: a key that is gone by the next state is never known.
-        What is told of such a stream again may have counted before: of 1,100 that sent one sample each that counted
-        anew each time it was told.
-        """
+        """Keep news, of too many streams the latest; return whether it surely tells of another sample that was sent."""
         earlier = self._news.pop(news.id, None)
         forgotten = earlier is None and news.id <= self._forgotten
         if earlier is None and len(self._news) >= TUNING.pending_news:
@@ -161,7 +156,7 @@ class Peer:
     @property
     def counted_samples(self) -> tuple[int, int]:
         """How many samples went between the peer and us lately, and how many of these got lost."""
-        (out, lost_out), (came, lost_in) = self.outbound.counted, self.inbound.counted
+        (out, lost_out), (came, lost_in) = self.outbound.losses.counted, self.inbound.losses.counted
         return out + came, lost_out + lost_in
 
     @property

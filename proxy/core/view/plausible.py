@@ -1,8 +1,7 @@
 """What a robot may say of itself: messages in another robot's name, and nonsense, are refused.
 
-Without TLS nobody on a mesh can tell who speaks. So a message changes no more than an honest robot's could, and what a
-forged one changed does not last: when no digest has followed from the last one for a while, the next digest counts as
-that of a robot that starts anew. A stream of which less is told than before for as long begins anew, too (`news.py`).
+A message changes no more than an honest robot's could, and what a forged one changed does not last: when nothing has
+followed from a digest, or a stream's count (`news.py`), for a while, robot or stream count as new.
 """
 
 from collections.abc import Callable

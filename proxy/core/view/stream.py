@@ -19,6 +19,9 @@ from proxy.core.view.tuning import TUNING
 from utility_specs import InformationType
 from utility_specs.forecast import FeatureForecast
 
+Place = tuple[str, str]
+"""The robot and key of a stream."""
+
 
 @dataclass(slots=True)
 class Sizes:
@@ -65,14 +68,10 @@ class Sizes:
 
 
 NONE: Mapping[str, float] = MappingProxyType({})
-"""No features."""
 
 
 class Generated(NamedTuple):
-    """The last sample generated. `t_gen` is on our clock [s], `size` in bytes, `scale` its value factor.
-
-    `features` are what is known of its features: of those of other robots' samples only what these tell.
-    """
+    """The last sample generated, at `t_gen` on our clock [s], with the `features` that are known of it."""
 
     t_gen: float
     size: int
@@ -144,10 +143,7 @@ class Stream:
     def note_generated(
         self, count: int, last: Generated, *, overheard: bool = False, told: Rhythm | None = None
     ) -> None:
-        """Sample number `count` of the stream was generated.
-
-        An `overheard` one is the first that we know of, from the air alone. A rhythm that its robot `told` holds.
-        """
+        """Sample number `count` was generated; `overheard`: the first, known from the air; a `told` rhythm holds."""
         if count <= self.generated:
             return
         self.overheard |= overheard
@@ -162,11 +158,6 @@ class Stream:
             self._outlook.note(last.t_gen, last.features or {SCALE: last.scale})
             self._steady = self._outlook.steady
             self._expected.clear()
-
-    @property
-    def likely_size(self) -> int:
-        """The size that a sample to come is planned with [B]: a bit less than the mean, for smaller ones are sent."""
-        return self.sizes.likely(self.newest.size)
 
     def touch(self, now: float, number: int = 0) -> None:
         """Something was heard of the stream; its robot may have told its number."""
@@ -198,10 +189,7 @@ class Stream:
             self.recent[k] = sent._replace(scale=rounded(scale(sent.features)))
 
     def note_sent(self, count: int, sent: Sent) -> list[Sent]:
-        """The stream's `count`-th send was this one; sends nobody told us of are spread evenly before it.
-
-        Return all that is new, in order.
-        """
+        """The stream's `count`-th send was this one, untold ones are spread evenly before it; return all new ones."""
         missed = count - self.forwarded - 1
         if missed < 0:
             return []
@@ -225,8 +213,7 @@ class Stream:
     def number(self, now: float, count: int, *, heard: bool) -> None:
         """Its robot tells how many samples it sent; the last one may have been `heard` from the air.
 
-        Where that is told for the first time what was sent before we overheard any does not count. Where it stays less
-        than we know of, what we know was forged, or its robot passed samples without counting them: it knows better.
+        What was sent before we overheard any does not count; where it stays less than we know, its robot knows better.
         """
         if self.overheard:
             self.overheard = False
@@ -277,6 +264,11 @@ class Stream:
         return self._expected[at]
 
     @property
+    def place(self) -> Place:
+        """Its robot and key."""
+        return self.robot, self.key
+
+    @property
     def forecasts(self) -> dict[str, str]:
         """The method by which each feature, or the scale, is forecast; nothing where all are as the last one."""
         return self._outlook.chosen if self._outlook is not None else {}
@@ -304,7 +296,6 @@ class Stream:
 
 
 def _forecasts(kind: InformationType) -> tuple[FeatureForecast, list[str]]:
-    """Return what is forecast of the samples of a type, and how."""
     return kind.forecast, [name for name, _ in kind.features]
 
 
@@ -315,10 +306,7 @@ def usual_scale(stream: Stream) -> float:
 
 
 def at_stake(stream: Stream, scale: float) -> float:
-    """Return the value factor of what a sample of a `scale` changes, whatever it is worth by itself.
-
-    Of `current` that is at least that of what was sent last: a sample of less worth ends what that one shows too much.
-    """
+    """Return the value factor of what a sample of a `scale` changes: of `current` at least that of the last sent."""
     if stream.sent is None or stream.information_type.aggregation is not Aggregation.CURRENT:
         return scale
     return max(scale, stream.sent.scale)

@@ -1,21 +1,16 @@
-"""All streams in the view, by robot and key: which there are, whose they are, and which leave when there are too many.
-
-All plain nodes together count as one owner: so nobody can push out a robot's streams by posing as many nodes.
-"""
+"""All streams in the view, by robot and key: which there are, whose (plain nodes are one owner), and which leave."""
 
 from collections import deque
 from collections.abc import Iterator
 from typing import NamedTuple
 
 from proxy.core.model.settings import CoreSettings
-from proxy.core.view.stream import Stream
+from proxy.core.view.stream import Place, Stream
 from proxy.core.view.tuning import TUNING
 from utility_specs import Specs
 
 PLAIN = "?"
 """Plain nodes are named by this and their origin."""
-
-Place = tuple[str, str]
 
 
 class Turn(NamedTuple):
@@ -75,11 +70,7 @@ class Streams:
         return self._all.get((robot, key))
 
     def touch(self, now: float, robot: str, key: str, number: int = 0) -> Stream | None:
-        """Something is heard of the stream of a robot and key; return it, made when new.
-
-        It is the last of its owner's to be forgotten then. None when no spec plans for the key. Another robot may have
-        told the stream's `number`.
-        """
+        """Something is heard of the stream of a robot and key; return it, made when new; None: no spec plans for it."""
         place = robot, key
         found = self._all.get(place)
         if found is None:
@@ -145,9 +136,9 @@ class Streams:
     def admit(self, stream: Stream) -> None:
         """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""
         self.revision += 1
-        self._all[stream.robot, stream.key] = stream
-        self.turns.append(Turn(self.revision, (stream.robot, stream.key), stream, there=True))
-        self._owned.setdefault(owner_of(stream.robot), {})[stream.robot, stream.key] = stream
+        self._all[stream.place] = stream
+        self.turns.append(Turn(self.revision, stream.place, stream, there=True))
+        self._owned.setdefault(owner_of(stream.robot), {})[stream.place] = stream
         if len(self._all) > self._most:
             new = owner_of(stream.robot)
             owners = [owner for owner, owned in self._owned.items() if owner != new or len(owned) > 1]
@@ -159,9 +150,9 @@ class Streams:
         """The stream is no more."""
         self.revision += 1
         owner = owner_of(stream.robot)
-        del self._all[stream.robot, stream.key]
-        self.turns.append(Turn(self.revision, (stream.robot, stream.key), stream, there=False))
-        del self._owned[owner][stream.robot, stream.key]
+        del self._all[stream.place]
+        self.turns.append(Turn(self.revision, stream.place, stream, there=False))
+        del self._owned[owner][stream.place]
         if not self._owned[owner]:
             del self._owned[owner]
 

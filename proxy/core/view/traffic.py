@@ -20,9 +20,7 @@ class TrafficLog:
         self.largest = 0
         """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[Entry] = deque(maxlen=TUNING.sends)
-        """What other robots sent lately."""
         self.revision = 0
-        """How often `sends` changed."""
         self.noted, self.retracted = 0, 0
         """How many sends of others were noted so far, and how many of them turned out to be none."""
 

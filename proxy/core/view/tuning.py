@@ -47,13 +47,11 @@ class ViewTuning:
     small_team: int = 10
     """That is done more rarely in a larger team than this, by as many times as it is larger."""
     size_digits: int = 5
-    """Streams have one audience whose sizes are equal but for what exceeds so many binary digits, 3 % at most: looking
-    at each of a hundred streams took half of the time in which it is weighed how they stand."""
+    """Streams have one audience whose sizes differ beyond so many binary digits: looking took half of weighing."""
 
     # What one robot may say
     implausible_for: float = 10.0
-    """What does not follow from a robot's last digest is refused for so long after that; then it counts as that of a
-    robot that starts anew, and so does what counts less of a stream than was told before [s]."""
+    """What does not follow from a robot's last digest, or a stream's count, is refused for so long [s], then new."""
     digest_delay: float = 30.0
     """A digest may come this much sooner after the one before than it was sent [s]."""
     digest_ahead: float = 1.0
@@ -73,13 +71,11 @@ class ViewTuning:
     silent_since_start: float = 2.0
     """Who has sent nothing for this long since we do is not about to [s]."""
     word_time: float = 1.0
-    """Who has just been met and has said nothing for so long takes no part until it does [s]: a question is repeated
-    within it. A token without a word left four robots with cameras 7 of 18 frames in 5 s."""
+    """Who has just been met and says nothing for so long takes no part until it does [s] (else 7 of 18 frames went)."""
     doubt_time: float = 60.0
     """Since somebody came without a word, who comes takes part from the first word on, for so long [s]."""
     team_begins: float = 5.0
-    """A team of which somebody has been known for so long has begun: who comes then takes part from its first word on
-    [s]."""
+    """A team of which somebody has been known for so long has begun: newcomers take part from the first word on [s]."""
     agreement_time: float = 5.0
     """Within this time a newcomer says something, and specs are changed on one robot after the other [s]."""
     agreement_per_robot: float = 0.05
@@ -96,8 +92,7 @@ class ViewTuning:
     peers_always_echoed: int = 4
     """Of no more peers than these each is echoed as soon as it is met."""
     unechoed_after_meeting: float = 2.0
-    """Of more, who was met no longer ago than this is not echoed [s]: of nine robots that began at once two took each
-    other's clocks to be 72 ms apart for 20 s, as all that was echoed was a digest that had waited for 145 ms."""
+    """Of more, who was met this lately is not echoed [s]: else two took their clocks for 72 ms apart for 20 s."""
     least_latency: float = 1e-6
     """What is told of a way takes at least this long [s]: nothing at all stands for nothing known."""
     clock_warning_above: float = 0.05
@@ -124,11 +119,9 @@ class ViewTuning:
     """A sample that was generated so much after the last one was sent is another one [s]."""
     told_sample: float = 0.25
     """One that seems to have been generated sooner than this part of the period after a send that was told and not
-    heard yet is that one, however late it is: over ns-3, where digests overtake their samples, such a sample counted
-    twice, which cost ten robots with equal messages 5 % of utility."""
+    heard yet is that one: counted twice over ns-3 it cost ten robots with equal messages 5 % of utility."""
     same_size: float = 0.1
-    """So is one of the same size that seems to have been generated so soon after [s]: of four robots with cameras that
-    broadcast up to 5 % of the windows were over the limit without it."""
+    """So is one of the same size generated so soon after [s]: else up to 5 % of windows of four robots were over."""
     least_period: float = 1e-3
     """Streams are taken to generate no faster than so [s]."""
     leads: tuple[int, ...] = (1, 4)
@@ -138,8 +131,8 @@ class ViewTuning:
     newest_size_weight: float = 0.1
     """What the size of a new sample counts in the mean and the variance of sizes."""
     sent_size_deviations: float = 0.3
-    """Where sizes vary, those sent are smaller than the mean by so many standard deviations: with five robots of 1 to
-    40 kB plans reached 94.2 % of the bound, with the mean 93.3, with the last size 93.1."""
+    """Where sizes vary, those sent are smaller than the mean by so many standard deviations: plans of five robots
+    reached 94.2 % of the bound, with the mean 93.3."""
     least_likely_size: float = 0.5
     """No sample is planned with a smaller part of the mean size."""
     smallest_size_part: float = 0.2

@@ -1,17 +1,15 @@
 """The shared view: what this robot knows of streams, robots, and what the channel carries."""
 
 from proxy.core.model.lifetimes import Lifetimes
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.protocol.messages import Digest, State, tag
-from proxy.core.view.audience import Audiences
+from proxy.core.view.audience import Audiences, Paths
 from proxy.core.view.contention import Contention
 from proxy.core.view.echoes import Echoes
 from proxy.core.view.members import Members
 from proxy.core.view.newcomers import Newcomers
 from proxy.core.view.news import News
 from proxy.core.view.overhearing import Origins, Overhearing
-from proxy.core.view.paths import Paths
 from proxy.core.view.peer import Staleness
 from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers
@@ -22,10 +20,7 @@ from utility_specs import Specs
 
 
 class SharedView:
-    """The parts of the view, each of which answers for itself, and what concerns several of them.
-
-    That is who comes and who leaves, and what robots tell each other.
-    """
+    """The parts of the view, and what concerns several of them: who comes and leaves, what robots tell each other."""
 
     def __init__(self, settings: CoreSettings, specs: Specs) -> None:
         own = tag(settings.zid)
@@ -115,10 +110,7 @@ class SharedView:
         return True
 
     def heard_state(self, now: float, state: State) -> bool:
-        """A peer's state arrived; news of its streams that waited for their keys is taken in.
-
-        False when it is unknown, or the state an update of one that we do not have.
-        """
+        """A peer's state arrived; False when it is unknown, or the state an update of one that we do not have."""
         peer = self.peers.get(tag(state.zid))
         whole = None if peer is None else peer.whole(state)
         if peer is None or whole is None:

@@ -1,7 +1,4 @@
-"""Wall clocks of robots: ours, what it tells of the offsets to others, and which clocks disagree.
-
-They matter for timestamps, which people look at, and for clock offsets, which they tell sooner than digests do.
-"""
+"""Wall clocks of robots: ours, what it tells of the offsets to others, and which clocks disagree."""
 
 from collections.abc import Iterable, Mapping
 

@@ -5,8 +5,7 @@ from collections.abc import Iterable, Mapping
 from planner import Airtime
 from proxy.core.model.limits import Limit
 from proxy.core.model.mode import Mode
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import is_broadcast
+from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.view.peer import Peer
 
 

@@ -1,18 +1,118 @@
-"""Which messages of the streams that compete are to be expected, and how far ahead a window looks."""
+"""The streams that compete in a window, which messages are to be expected of them, and how far ahead it looks.
 
+A sample is *owed* by a guarantee when its stream would else be without one for too long; plans take it for sent.
+"""
+
+import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from heapq import heapify, heappop, heapreplace
 
+from planner import Aggregation
 from proxy.core.coordination.claims import claim
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.model.limits import Limit, Limits, changes_plans, longest_window, use_of
 from proxy.core.model.tuning import TUNING as MODEL
-from proxy.core.view.stream import Stream
+from proxy.core.view.audience import Audience
+from proxy.core.view.stream import Stream, at_stake
 from proxy.core.view.tuning import TUNING as VIEW
 from proxy.core.view.view import SharedView
-from proxy.core.window.candidates import Candidate
-from proxy.core.window.guarantees import guaranteed
 from proxy.core.window.tuning import TUNING
+
+
+def guaranteed(stream: Stream) -> bool:
+    """Whether a stream is guaranteed anything."""
+    return stream.information_type.guarantee.rate > 0.0
+
+
+def longest(stream: Stream, latency: float) -> float:
+    """How far apart samples may be generated that are sent, at a latency [s]; without end where nothing is said."""
+    guarantee = stream.information_type.guarantee
+    rate = 1.0 / guarantee.min_rate if guarantee.min_rate else math.inf
+    age = max(0.0, guarantee.max_age - latency) if guarantee.max_age else math.inf
+    return min(rate, age)
+
+
+def owed(stream: Stream, times: Iterable[float], latency: float) -> Iterator[float]:
+    """Yield those generation times of samples [s] that must be sent."""
+    apart, ahead = longest(stream, latency), (1.0 - TUNING.early) * stream.schedule.period
+    before = -math.inf if stream.sent is None else stream.sent.t_gen
+    for t in times:
+        if t + ahead - before > apart:
+            yield t
+            before = t
+
+
+@dataclass(slots=True)
+class Candidate:
+    """A stream that competes, number `place` of the problem; its samples go in so many `copies` to its `audience`."""
+
+    stream: Stream
+    place: int
+    copies: int
+    audience: Audience
+    own: bool
+    markovian: bool
+    size: int = 0
+    """The size that its samples to come are planned with [B]."""
+    copy: bool = False
+    """Whether these are messages for one robot alone, which was away when they were generated."""
+    times: list[float] = field(default_factory=list)
+    """When it is expected to generate [s]."""
+
+    @property
+    def worth(self) -> float:
+        """Value per byte on the air."""
+        last = self.stream.newest
+        return at_stake(self.stream, last.scale) * self.audience.share / max(last.size * self.copies, 1)
+
+    @property
+    def standard(self) -> bool:
+        """Whether the aggregation is the planner's own, not a model of the operator's."""
+        return isinstance(self.stream.information_type.aggregation, Aggregation)
+
+    def expect(self, times: list[float], size: int | None = None) -> None:
+        """Its samples are expected at these times [s], of that size [B] if it is given."""
+        self.times = times
+        self.size = self.size if size is None else size
+
+    def take_owed(self) -> list[float]:
+        """Take what its guarantee demands out of the times; return it."""
+        times = list(owed(self.stream, self.times, self.audience.slowest))
+        self.times = [t for t in self.times if t not in times]
+        return times
+
+    def bound(self, end: float) -> None:
+        """Expect nothing after `end` [s], and no more than it does not take too long to weigh."""
+        if self.times and self.times[-1] > end:
+            self.times = [t for t in self.times if t <= end]
+        if self.markovian or (self.standard and self.stream.information_type.aggregation is not Aggregation.BEST):
+            return
+        while len(self.times) > (TUNING.forecasts_of_best if self.standard else TUNING.messages_of_a_model):
+            self.halve()
+
+    def halve(self) -> int:
+        """Leave out every other time; return how many that are."""
+        before = len(self.times)
+        self.times = self.times[::2]
+        return before - len(self.times)
+
+
+def thin(candidates: list[Candidate], most: int) -> None:
+    """Halve the forecasts that are worth least each until there are at most so many, or one of each stream."""
+    excess = sum([len(c.times) for c in candidates]) - most
+    if excess <= 0:
+        return
+    left = [(c.worth / len(c.times), c.place, c) for c in candidates if len(c.times) > 1]
+    heapify(left)
+    while excess > 0 and left:
+        _, place, thickest = left[0]
+        excess -= thickest.halve()
+        if len(thickest.times) > 1:
+            heapreplace(left, (thickest.worth / len(thickest.times), place, thickest))
+        else:
+            heappop(left)
 
 
 def forecast(
@@ -20,8 +120,7 @@ def forecast(
 ) -> None:
     """Fill in the expected generation times of every candidate, as far ahead as plans look.
 
-    Others' messages since we last heard of them have an unknown fate: they are decisions too, but for those with a
-    lesser claim than the stream of ours that is `deciding`, unless all plans agree on them.
+    Others' messages since we last heard of them are decisions, too, but for those with a lesser claim than `deciding`.
     """
     longest, until = longest_window(limits.union), now + view.settings.horizon_time
     end, ours = min(until, now + MODEL.planned_windows * longest), None
@@ -38,11 +137,7 @@ def forecast(
 
 
 def reach(now: float, candidates: list[Candidate], limits: Limits, most: int) -> float:
-    """Return until when a window looks ahead that holds about so many messages [s]: over a window of limits at least.
-
-    Where it looked as far as ever, and every second message was left out, one robot with four cameras of 10 Hz and room
-    for a quarter of them reached 0.2 % less with 80 messages, and 2.3 % less with 40 (four missions of 30 s).
-    """
+    """Return until when a window looks ahead that holds so many messages [s], one of limits at least (2.3 % at 40)."""
     times = sorted([t for c in candidates for t in c.times])
     if len(times) > most:
         times = times[: max(most, bisect_right(times, now + longest_window(limits.union)))]
@@ -76,10 +171,7 @@ def _latency(view: SharedView, c: Candidate) -> float:
 def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
     """Where far more is offered than can be sent expect only the smallest samples of bulky streams to be sent.
 
-    Not within a part that is ours alone, in which there is seldom another sample of the kind to choose from: small ones
-    took its room, as the large one that was expected was always a later one. Of thirty robots with five streams of 0.1
-    to 4 kB some never sent the stream that is worth most to them, and all reached 92 % of a central decider instead of
-    96 (unicast, 2 to 100 ms, four seeds).
+    Not within a part of ours, with seldom another one to choose: thirty robots reached 92 % of central, not 96.
     """
     uses = [use_of(round(c.stream.sizes.mean), c.copies, limits, own=c.own) for c in candidates]
     rates = [1.0 / max(c.stream.schedule.period, VIEW.least_period) for c in candidates]

@@ -12,7 +12,7 @@ from planner import Stream as PlannerStream
 from proxy.core.model.limits import Limits, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Sent
-from proxy.core.window.candidates import Candidate
+from proxy.core.window.forecast import Candidate
 from proxy.core.window.tuning import TUNING
 
 
@@ -103,8 +103,7 @@ def _stream(c: Candidate, robot: int) -> PlannerStream:
 def _facts(c: Candidate, now: float, nothing: tuple[float, ...]) -> list[Message]:
     """Return what was sent of a stream as far as it matters for what comes; its use counts as traffic.
 
-    Nothing where messages add up, or where whom the first one reached is no receiver any more. Of `best`, what was
-    received counts from now on: what it was worth before no decision can change.
+    Nothing where messages add up or reach each robot once; of `best`, what was received counts from now on.
     """
     stream = c.stream
     if c.copy:  # what its robot has of the stream it had before it vanished

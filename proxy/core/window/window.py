@@ -1,15 +1,10 @@
 """The planning window: which messages a decision looks at, and what they would use.
 
-It holds contested messages alone (`disputes.py`); the others are booked, and the limits of the problem lower by as
-much. It reaches `planned_windows` of the longest constraint window, at most `horizon_time`, and at least to one
-forecast message of every stream; a slower stream is weighed by its rate. If these are more than `horizon` messages, it
-reaches less far, but over one such window; what is too many still is thinned, of low-value streams. Where more streams
-compete than a window has messages, some have none in it: half of the places are for the streams worth most per byte on
-the air, half for those that generate next, so that what is imminent competes with what is valuable. Only streams that
-somebody wants compete, and where each robot has its part only our own, for then no other stream can gain by what we
-leave. Sent messages are facts. Those that say what others of their stream are still worth are messages: the last one,
-or the last few where the stream does not go by the most recent one. What else was sent within a constraint window is
-traffic, for what it uses. What guarantees demand of the future is a fact and traffic like that.
+It holds contested messages alone (`disputes.py`); the others are booked. It reaches `planned_windows` of the longest
+constraint window, at most `horizon_time`, and at least to one forecast message of every stream; beyond `horizon`
+messages less far, and then it is thinned. Only streams that somebody wants compete, within a part of ours only our own;
+of too many half of the places are for those worth most per byte on the air, half for those that generate next. What was
+sent and guarantees demand are facts where they matter to their streams, and traffic for what they use.
 """
 
 import math
@@ -25,11 +20,31 @@ from proxy.core.model.limits import Limits
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream, at_stake
 from proxy.core.view.view import SharedView
-from proxy.core.window.candidates import Candidate, thin
-from proxy.core.window.forecast import forecast, reach
-from proxy.core.window.guarantees import guaranteed
+from proxy.core.window.forecast import Candidate, forecast, guaranteed, reach, thin
 from proxy.core.window.problem import Contents, OpenMessage, expected, problem, published
 from proxy.core.window.tuning import TUNING
+
+
+class WindowSize:
+    """The `messages` that a window may hold besides the current one, for decisions within a `deadline` [s]."""
+
+    def __init__(self, deadline: float) -> None:
+        self._deadline = deadline
+        self.messages = max(TUNING.fewest_messages, TUNING.overhead * deadline / TUNING.seconds_per_message)
+        self._overruns: list[float] = []
+        """By how much the last decisions in a row took too long: what of their time was allowed."""
+
+    def note(self, held: int, overhead: float, *, thinned: bool) -> None:
+        """A decision took so long besides its search [s], on a window that held so many messages."""
+        fitting = TUNING.overhead * self._deadline / max(overhead, 1e-9)
+        if fitting >= 1.0:
+            self._overruns.clear()
+            self.messages *= min(fitting, TUNING.growing) if thinned else 1.0
+            return
+        self._overruns = [*self._overruns, fitting][-TUNING.overruns :]
+        if len(self._overruns) == TUNING.overruns:
+            part = max(*self._overruns, TUNING.shrinking)
+            self.messages = max(TUNING.fewest_messages, math.floor(min(held, self.messages) * part))
 
 
 class Window(NamedTuple):
@@ -47,16 +62,11 @@ class WindowBuilder:
         self._view = view
         self._started = started
         self.disputes = Disputes(view)
-        """What is to decide, and what is load."""
 
     def build(
         self, now: float, current: Waiting, waiting: Iterable[Waiting], limits: Limits, most: float = math.inf
     ) -> Window:
-        """Return the problem of deciding `current` while others of our own samples are `waiting`.
-
-        It has about `most` other messages to decide. Half of the places are for samples that wait, those worth most,
-        the rest for forecasts.
-        """
+        """Return the problem of deciding `current` beside `most` others, half of them `waiting`, then forecasts."""
         waiting, limits, horizon = list(waiting), self._contested(now, limits), self._view.settings.horizon
         queued = int(min(len(waiting), most // 2))
         places = int(min(horizon, most - queued))
@@ -96,7 +106,8 @@ class WindowBuilder:
     def _candidate(self, now: float, place: int, stream: Stream) -> Candidate:
         view, own = self._view, stream.robot == self._view.settings.robot
         markovian, audience = stream.information_type.markovian, view.audiences.of(now, stream)
-        return Candidate(stream, place, view.subscribers.copies(stream), audience, own, markovian, stream.likely_size)
+        size = stream.sizes.likely(stream.newest.size)
+        return Candidate(stream, place, view.subscribers.copies(stream), audience, own, markovian, size)
 
     def _copied(self, now: float, place: int, current: Waiting) -> Candidate:
         """Return the stream of a copy, as it is for the one robot that the copy is for."""
@@ -110,10 +121,7 @@ class WindowBuilder:
     def _forecast(
         self, now: float, candidates: list[Candidate], current: Waiting, limits: Limits, most: int
     ) -> tuple[list[OpenMessage], int]:
-        """Fill in when candidates are expected to generate; return what guarantees demand of that.
-
-        And how much plans would look at that had room for all.
-        """
+        """Fill in when candidates are expected to generate; return what guarantees demand, and how much would come."""
         stream = self._view.streams.known(self._view.settings.robot, current.key)
         forecast(now, self._view, candidates, limits, stream)
         coming = sum([len(c.times) for c in candidates])

@@ -12,8 +12,7 @@ from statistics import fmean, median
 
 from planner import Linear, Message, Problem, SearchSettings, Stream
 from planner.definition import utility
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
 from studies.simulation.conditions import Coordination, Transport
 from studies.simulation.flights import GROUP
 from studies.simulation.medium import Medium

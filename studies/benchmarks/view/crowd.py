@@ -11,8 +11,7 @@ from planner import Plan, SearchSettings, start
 from proxy.core.core import Core
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command, Decide, Forward
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState, tag
 from studies.benchmarks.memory import MEGABYTE
 from studies.benchmarks.report import Table

@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from planner import SearchSettings
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
 from studies.simulation.churn import Happening
 from studies.simulation.flights import GROUP
 from studies.simulation.medium import Medium, Way

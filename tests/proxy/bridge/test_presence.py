@@ -23,11 +23,10 @@ from proxy.core.interface.events import (
     StateHeard,
     VersionHeard,
 )
-from proxy.core.protocol.backlog_codec import pack_backlog
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.envelope import VERSION
 from proxy.core.protocol.messages import Digest, Echo, State, StreamState, tag
-from proxy.core.protocol.state_codec import pack_state
+from proxy.core.protocol.state_codec import pack_backlog, pack_state
 from proxy.core.protocol.tuning import TUNING
 from tests.proxy.counting import Counting
 from tests.proxy.nodes import Heard, closing, free_endpoint, plain_session, wait_matching

@@ -8,10 +8,9 @@ from proxy.core.core import Core
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward, SendDigest, SendState, TellBacklog
 from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.digest_codec import pack_digest, unpack_digest
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState, tag
-from proxy.core.protocol.state_codec import pack_state, unpack_state
+from proxy.core.protocol.state_codec import pack_backlog, pack_state, unpack_backlog, unpack_state
 from proxy.core.protocol.tuning import TUNING
 from tests.proxy.core.talk import Talk, only
 from utility_specs import load_specs

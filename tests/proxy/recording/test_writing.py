@@ -92,7 +92,6 @@ def test_a_problem_is_told_by_its_size():
         "seed": 5,
         "iterations": 300,
         "asked": 1.5,
-        "ahead": False,
         "messages": 2,
     }
 

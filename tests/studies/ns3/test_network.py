@@ -5,8 +5,7 @@ from functools import partial
 
 import pytest
 
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import CoreSettings, broadcast
 from studies.ns3.network import JITTER, Ns3Network
 from studies.ns3.radio import AD_HOC, Radio
 from studies.simulation.agenda import Agenda

@@ -168,8 +168,8 @@ def test_losses_are_found_on_both_ends(losing):
         ways = [d for d in losing.deliveries if (d.frame.robot, d.receiver) == (sender.robot, receiver.robot)]
         told = sender.core.view.peers[f"z-{receiver.robot}"]
         for found, counts in (
-            (peer.inbound.loss, peer.inbound._losses._read),
-            (told.outbound.loss, told.outbound._losses._read),
+            (peer.inbound.losses.share, peer.inbound.losses._read),
+            (told.outbound.losses.share, told.outbound.losses._read),
         ):
             told_of = counts[-1][0] - counts[0][0]  # from the first news on, which came after a few samples
             assert told_of > len(ways) / 2

@@ -1,7 +1,7 @@
 """A capacity whose peers speak, and tell what they see."""
 
 from planner import Throughput
-from proxy.core.congestion.capacity import Capacity
+from proxy.core.congestion.channel import Capacity
 from proxy.core.congestion.control import Traffic
 from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest, Echo

@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner import Throughput
-from proxy.core.congestion.aimd import AdaptiveLimit, Aimd
-from proxy.core.congestion.capacity_reports import CapacityReports
+from proxy.core.congestion.aimd import AdaptiveLimit, Aimd, CapacityReports
 from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest

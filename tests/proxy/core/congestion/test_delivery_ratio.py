@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from proxy.core.congestion.delivery_ratio import DeliveryRatio
+from proxy.core.congestion.evidence import DeliveryRatio
 from proxy.core.congestion.tuning import TUNING
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from proxy.core.coordination.claims import CLAIMING, Lead, both, claim, news_take, rivals
+from proxy.core.coordination.claims import CLAIMING, Claims, both, claim, news_take
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.market.disputes import Disputes
@@ -44,7 +44,7 @@ def judged(view, now, *, grew=-math.inf, agreed=False, free=math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(now, limits, alone=False)
     stream = view.streams.known("r1", "robot/r1/camera")
-    return rivals(now, view, disputes, stream, limits, grew=lambda _: grew, free=(free,), agreed=agreed)
+    return Claims(view, disputes).rivals(now, stream, limits, lambda _: grew, (free,), agreed=agreed)
 
 
 def generated(view, t):
@@ -253,10 +253,10 @@ def test_of_two_that_are_as_long_silent_one_leads(view):
     disputes.advance(10.0, limits, alone=False)
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.0 + 0.5 * TUNING.claim_tolerance)
-    assert not Lead(view, disputes).has(10.0, view.streams.known("r1", "robot/r1/camera"), limits)
+    assert not Claims(view, disputes).lead(10.0, view.streams.known("r1", "robot/r1/camera"), limits)
     assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
     view.traffic.note_sent(view.streams.known("r2", "robot/r2/camera"), 2, Sent(9.1, 9.1, SIZE, 1.0))
-    assert Lead(view, disputes).has(10.0, view.streams.known("r1", "robot/r1/camera"), limits)
+    assert Claims(view, disputes).lead(10.0, view.streams.known("r1", "robot/r1/camera"), limits)
 
 
 def test_a_sample_that_was_told_of_while_it_waits_for_room_counts_as_taken(view):
@@ -297,7 +297,7 @@ def test_of_two_streams_that_never_sent_exactly_one_has_the_better_claim(make_sp
         disputes.advance(now, limits, alone=False)
         ours = view.streams.known(robot, f"robot/{robot}/camera")
         theirs = view.streams.known(other, f"robot/{other}/camera")
-        taken_by[robot] = Lead(view, disputes).has(now, ours, limits)
+        taken_by[robot] = Claims(view, disputes).lead(now, ours, limits)
         assert (claim(now, theirs) < claim(now, ours)) is taken_by[robot]
     assert sorted(taken_by.values()) == [False, True]
 
@@ -335,9 +335,9 @@ def test_a_contested_stream_does_not_wait_for_a_priced_one(view, monkeypatch, ou
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)
     now = 10.0 + 0.5 * TUNING.deciding
-    expected = 0.0 if ours is Standing.CONTESTED else SIZE
-    assert rivals(now, view, disputes, stream, limits, grew=lambda _: -math.inf, free=(math.inf,))[0] == (expected,)
-    assert Lead(view, disputes).has(now, stream, limits) is (ours is Standing.CONTESTED)
+    expected, claims = 0.0 if ours is Standing.CONTESTED else SIZE, Claims(view, disputes)
+    assert claims.rivals(now, stream, limits, lambda _: -math.inf, (math.inf,), agreed=False)[0] == (expected,)
+    assert claims.lead(now, stream, limits) is (ours is Standing.CONTESTED)
 
 
 def test_the_best_claim_may_have_waited_for_the_room_that_opened(view):
@@ -357,13 +357,13 @@ def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view)
     ours, theirs = (view.streams.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
     sent(view, "r1", 9.0)
     sent(view, "r2", 9.5)
-    assert Lead(view, disputes).has(10.0, ours, limits)
+    assert Claims(view, disputes).lead(10.0, ours, limits)
     view.traffic.note_sent(ours, 2, Sent(9.8, 9.8, SIZE, 1.0))
-    assert not Lead(view, disputes).has(10.0, ours, limits)
+    assert not Claims(view, disputes).lead(10.0, ours, limits)
     theirs.sizes.mean = SIZE / 40
-    assert Lead(view, disputes).has(10.0, ours, limits)
+    assert Claims(view, disputes).lead(10.0, ours, limits)
     ours.schedule.assume(0.1, "poisson")
-    assert not Lead(view, disputes).has(10.0, ours, limits)
+    assert not Claims(view, disputes).lead(10.0, ours, limits)
 
 
 def test_news_take_as_long_as_most_of_the_last_digests_did(view):

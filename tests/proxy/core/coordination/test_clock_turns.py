@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from proxy.core.coordination.clock_turns import NOT_NEEDED, ClockTurns
+from proxy.core.coordination.equal_parts import NOT_NEEDED, ClockTurns
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from proxy.core.coordination.clock_turns import NOT_NEEDED, NOT_NOW
+from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.protocol.bid import Segment

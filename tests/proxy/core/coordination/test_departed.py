@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.coordination.departed import Departed
+from proxy.core.coordination.patience import Departed
 from proxy.core.protocol.bid import UNIT, Segment
 from proxy.core.protocol.messages import Digest
 from proxy.core.protocol.split_report import SplitReport

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxy.core.coordination.first_sends import first_at
+from proxy.core.coordination.claims import first_at
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings

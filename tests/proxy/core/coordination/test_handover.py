@@ -2,9 +2,8 @@
 
 import pytest
 
-from proxy.core.coordination.budget import Budget
+from proxy.core.coordination.budget import Budget, Handover
 from proxy.core.coordination.coordination import Coordination
-from proxy.core.coordination.handover import Handover
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import Room
 from proxy.core.model.settings import CoreSettings

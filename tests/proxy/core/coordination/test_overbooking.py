@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from proxy.core.coordination.overbooking import Overbooking
+from proxy.core.coordination.equal_parts import Overbooking
 from proxy.core.coordination.tuning import TUNING
 
 PACE = 0.25

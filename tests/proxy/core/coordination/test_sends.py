@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.coordination.sends import SendLog
+from proxy.core.market.room import SendLog
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, ENERGY, heard
 
 

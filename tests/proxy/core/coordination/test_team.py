@@ -4,7 +4,7 @@ import pytest
 
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import broadcast
 from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamState
 from proxy.core.protocol.split_report import SplitReport

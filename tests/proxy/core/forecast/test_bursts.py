@@ -2,8 +2,7 @@
 
 import pytest
 
-from proxy.core.forecast.bursts import bursts_in, reported_bursts
-from proxy.core.forecast.patterns import Span
+from proxy.core.forecast.patterns import Span, bursts_in, reported_bursts
 from tests.proxy.core.streams import bursts, periodic, poisson
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from proxy.core.forecast.patterns import Span
-from proxy.core.forecast.written import written
+from proxy.core.forecast.recognition import written
 from utility_specs.schedules import PeriodicRule, PoissonRule, PythonRule, TimesRule
 from utility_specs.specs import Failures
 

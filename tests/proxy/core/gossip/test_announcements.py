@@ -9,8 +9,7 @@ from proxy.core.gossip.announcements import Announcements
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.limits import limits_of
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import CoreSettings, broadcast
 from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.view import SharedView

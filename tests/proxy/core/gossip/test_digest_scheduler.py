@@ -11,7 +11,7 @@ from proxy.core.gossip.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward, SendDigest, SendState
 from proxy.core.model.limits import allowance_of
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import broadcast
 from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 from proxy.core.protocol.split_report import SplitReport
@@ -397,8 +397,8 @@ def test_what_is_announced_on_the_air_is_told_again_where_much_is_lost(make_talk
     talk.want(0.0)
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
     peer = talk.core.view.peers[tag("zz-op")]
-    peer.outbound._losses.read(0, 0)
-    peer.outbound._losses.read(100, 100 - lost)
+    peer.outbound.losses.read(0, 0)
+    peer.outbound.losses.read(100, 100 - lost)
     talk.tell(ev.TimePassed(5.0))
     sends(talk, 6.0, size=2_000)
     for step in range(1, 900):

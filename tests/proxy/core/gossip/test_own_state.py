@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from proxy.core.gossip.own_state import as_announced, differs, shortened, state_of, update_of
+from proxy.core.gossip.state_announcements import as_announced, differs, shortened, state_of, update_of
 from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import State, StreamState

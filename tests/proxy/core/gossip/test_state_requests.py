@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from proxy.core.gossip.state_requests import StateRequests
+from proxy.core.gossip.gossip import StateRequests
 from proxy.core.gossip.tuning import TUNING
 
 FIRST = TUNING.first_answer

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.measures import Throughput
-from proxy.core.market.pace import at_pace, carried, pace_part
+from proxy.core.market.room import at_pace, carried, pace_part
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, limits_of
 from proxy.core.protocol.messages import Echo

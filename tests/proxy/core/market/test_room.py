@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner import Constraint
-from proxy.core.coordination.sends import SendLog
-from proxy.core.market.room import Departures, OwnDepartures
+from proxy.core.market.room import Departures, OwnDepartures, SendLog
 
 LIMIT = Constraint("throughput", 1.0, 100.0)
 SENDS = st.lists(st.tuples(st.floats(0.0, 2.0), st.floats(1.0, 60.0)), max_size=12)

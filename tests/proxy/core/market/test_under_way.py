@@ -2,8 +2,7 @@
 
 import pytest
 
-from proxy.core.market.standing import Row
-from proxy.core.market.under_way import UnderWay
+from proxy.core.market.standing import Row, UnderWay
 
 
 def row(*use):

@@ -1,6 +1,6 @@
 """How samples travel."""
 
-from proxy.core.model.transport import UNICAST, broadcast, is_broadcast
+from proxy.core.model.settings import UNICAST, broadcast, is_broadcast
 
 
 def test_transports_are_told_apart():

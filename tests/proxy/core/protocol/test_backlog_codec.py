@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.envelope import VERSION, MalformedWireError
+from proxy.core.protocol.state_codec import pack_backlog, unpack_backlog
 from tests.proxy.core.protocol.drawn import count
 
 KEYS = st.lists(st.text(st.characters(exclude_categories=["Cs"], exclude_characters="*"), min_size=1, max_size=5))

@@ -12,13 +12,12 @@ import pytest
 from proxy.bridge import keys
 from proxy.bridge.bounds import BOUNDS
 from proxy.core.gossip.tuning import TUNING as GOSSIP
-from proxy.core.protocol.backlog_codec import pack_backlog
 from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.envelope import OLDEST, VERSION
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, StreamState
 from proxy.core.protocol.split_report import SplitReport
-from proxy.core.protocol.state_codec import pack_state
+from proxy.core.protocol.state_codec import pack_backlog, pack_state
 from proxy.core.protocol.tuning import TUNING
 
 PAGE = (Path(__file__).parents[4] / "proxy" / "PROTOCOL.md").read_text()

@@ -8,8 +8,8 @@ from planner import Plan
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forget, Forward, Keep, SendCopy, TellBacklog
 from proxy.core.model.waiting import Waiting
-from proxy.core.protocol.backlog_codec import pack_backlog, unpack_backlog
 from proxy.core.protocol.messages import State, tag
+from proxy.core.protocol.state_codec import pack_backlog, unpack_backlog
 from proxy.core.samples.copies import HeldPayloads
 from proxy.core.samples.tuning import TUNING
 from tests.proxy.core.samples.absent import KEYS, LIMIT, OTHER, ZID, to_away

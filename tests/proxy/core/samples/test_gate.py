@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from proxy.core.coordination.budget import Budget
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import broadcast
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.split.ledger import Ledger
+from proxy.core.split.own_part import Ledger
 
 
 def test_what_was_sent_counts_for_as_long_as_a_window():

@@ -1,7 +1,7 @@
 """Which bids are worth an agreement."""
 
 from proxy.core.protocol.bid import Segment
-from proxy.core.split.proposal import indifferent, outdoes_equal
+from proxy.core.split.split import indifferent, outdoes_equal
 from proxy.core.split.tuning import TUNING
 from tests.proxy.core.split.agreeing import agree, robot
 

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.split.steady import Steady
+from proxy.core.split.own_part import Steady
 
 changes = st.lists(st.tuples(st.floats(0.01, 2.0), st.integers(0, 100)), max_size=12)
 

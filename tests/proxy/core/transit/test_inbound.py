@@ -182,9 +182,9 @@ def test_loss_from_it_is_what_it_says_it_sent_and_did_not_come(peer):
             told = news(count, count, 2.0 + count, 2.0 + count)
             peer.inbound.heard_news(2.0 + count + LATER, KEY, told, counts=True)
             peer.inbound.heard_news(2.0 + count + LATER, "other", told, counts=False)
-    assert peer.inbound.loss == pytest.approx(0.25)
+    assert peer.inbound.losses.share == pytest.approx(0.25)
     peer.take_state(200.0, state(1000.0, mode="shadow"))
-    assert peer.inbound.loss is None
+    assert peer.inbound.losses.share is None
 
 
 def test_the_last_sample_that_was_sent_may_be_under_way(peer):
@@ -193,9 +193,9 @@ def test_the_last_sample_that_was_sent_may_be_under_way(peer):
         if count > 10:
             peer.inbound.heard_news(2.05 + count, KEY, news(count, count, 2.0 + count, 2.0 + count), counts=True)
         hear(peer, 2.0 + count, 0.1)
-    assert peer.inbound.counted == (89, 0)
+    assert peer.inbound.losses.counted == (89, 0)
     peer.inbound.heard_news(103.0 + LATER, KEY, news(101, 101, 103.0, 103.0), counts=True)
-    assert peer.inbound.counted[1] == 1
+    assert peer.inbound.losses.counted[1] == 1
 
 
 def test_streams_of_a_peer_are_bounded(peer):
@@ -216,5 +216,5 @@ def test_of_too_many_streams_the_one_not_heard_of_for_longest_is_forgotten(peer)
         hear(peer, float(at), 0.1)
         peer.inbound.heard_news(at + LATER, KEY, news(at, at, float(at), float(at)), counts=True)
     assert peer.inbound.latency.fixed == pytest.approx(0.1, abs=1e-3)
-    assert peer.inbound.loss == 0.0
+    assert peer.inbound.losses.share == 0.0
     assert peer.evicted == 2

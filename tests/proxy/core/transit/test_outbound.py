@@ -18,12 +18,12 @@ def test_loss_to_it_is_what_had_not_arrived_when_it_heard_our_digest(peer):
         peer.outbound.sent_digest(at)
         peer.outbound.sent += 7  # these are not in the digest
         peer.outbound.heard_echo(at + 0.02, Echo("z-r1", at, at - 99.99, received, 0.2, 1e-6))
-    assert peer.outbound.loss == pytest.approx(0.1)
+    assert peer.outbound.losses.share == pytest.approx(0.1)
     assert peer.outbound.line.of(1000) == pytest.approx(0.201)
     assert peer.outbound.latency == Latency(0.2, 1e-6)
     assert peer.outbound.received == 54
     peer.outbound.heard_echo(13.0, Echo("z-r1", 12.5, -87.4, 60, 0.2))
-    assert peer.outbound.loss == pytest.approx(0.1), "an echo of what we never sent tells no loss"
+    assert peer.outbound.losses.share == pytest.approx(0.1), "an echo of what we never sent tells no loss"
     peer.outbound.heard_echo(13.0, Echo("z-r1", 99.0, -87.4, 99, 0.9))
     assert peer.outbound.received == 60, "an echo from the future is none"
 

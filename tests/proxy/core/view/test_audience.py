@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from planner import Receiver
 from proxy.core.model.settings import CoreSettings
 from proxy.core.transit.latency import Latency
-from proxy.core.view.audience import grouped
-from proxy.core.view.paths import Way
+from proxy.core.view.audience import Way, grouped
 from proxy.core.view.stream import Generated
 from proxy.core.view.tuning import TUNING
 from proxy.core.view.view import SharedView

@@ -5,8 +5,8 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.view import interest
-from proxy.core.view.interest import Interest, common, intersects
+from proxy.core.view import subscribers
+from proxy.core.view.subscribers import Interest, common, intersects
 
 EXPRESSIONS = ("a/*", "a/**", "a/b", "**", "a/b$*", "a/@v/*", "*/c", "c", "a/$*c")
 KEYS = ("a/b", "a/c", "a/bc", "a/@v/b", "c", "d/c", "a/b/c", "x")
@@ -60,7 +60,7 @@ def test_many_changes_at_once_are_as_exact():
 
 def test_answers_are_bounded(monkeypatch):
     """Keys of which many come once are not kept for ever."""
-    monkeypatch.setattr(interest, "TUNING", replace(interest.TUNING, keys_answered=10))
+    monkeypatch.setattr(subscribers, "TUNING", replace(subscribers.TUNING, keys_answered=10))
     kept = Interest()
     kept.set("p", ["**"])
     assert all(kept.wanting(f"k{n}") == ("p",) for n in range(50))

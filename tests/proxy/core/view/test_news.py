@@ -3,8 +3,7 @@
 import pytest
 
 from proxy.core.interface.events import SampleHeard
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import CoreSettings, broadcast
 from proxy.core.protocol.messages import State, StreamDigest, StreamState
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.tuning import TUNING

@@ -63,7 +63,7 @@ def test_few_samples_of_many_robots_tell_the_mean_loss(view):
     """Each of them alone tells little."""
     for name in ("z-r2", "z-r3", "z-r4"):
         lose(view.peers[name], 10, 7)
-    assert view.peers["z-r2"].outbound.loss == pytest.approx(0.15)
+    assert view.peers["z-r2"].outbound.losses.share == pytest.approx(0.15)
     assert view.paths.mean_loss() == pytest.approx(0.3)
 
 
@@ -76,8 +76,8 @@ def test_loss_is_of_each_way_and_the_mean_where_unknown(view):
     assert view.paths.mean_loss() == pytest.approx(0.6)
     assert [way.share for way in ways(view, own, 100)] == pytest.approx([0.8, 0.05, 0.4])
     assert [way.share for way in ways(view, other, 100)] == pytest.approx([0.4, 0.8])
-    view.peers["z-r2"].inbound._losses.read(0, 0)
-    view.peers["z-r2"].inbound._losses.read(100, 90)
+    view.peers["z-r2"].inbound.losses.read(0, 0)
+    view.peers["z-r2"].inbound.losses.read(100, 90)
     assert next(way.share for way in ways(view, other, 100)) == pytest.approx(0.9)
 
 

@@ -1,7 +1,6 @@
 """Who wants a stream, who still gains by it, and in how many copies it goes on the air."""
 
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
 from proxy.core.protocol.messages import State, StreamDigest
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.view import SharedView

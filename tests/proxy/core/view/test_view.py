@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from proxy.core.model.settings import CoreSettings
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import CoreSettings, broadcast
 from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest
 from proxy.core.view.tuning import TUNING
 from proxy.core.view.view import SharedView
@@ -66,13 +65,13 @@ def test_losses_with_other_specs_are_unknown(make_specs):
     peer = view.peers["z-r2"]
     lose(peer, 100, 50)
     view.heard_digest(3.0, Digest("r2", "z-r2", 3.0, 0, 0))
-    assert peer.outbound.loss == 0.5
+    assert peer.outbound.losses.share == 0.5
     view.heard_state(3.0, State("r2", "z-r2", "enforce", "others"))
     view.heard_digest(4.0, Digest("r2", "z-r2", 4.0, 0, 0))
-    assert peer.outbound.loss is None
+    assert peer.outbound.losses.share is None
     lose(peer, 100, 50)
     view.restart_losses()
-    assert peer.outbound.loss is None
+    assert peer.outbound.losses.share is None
 
 
 def test_digests_say_nothing_of_samples_that_are_broadcast(make_specs):

@@ -5,7 +5,7 @@ import pytest
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Notice
 from proxy.core.model.mode import Mode
-from proxy.core.model.transport import UNICAST, broadcast
+from proxy.core.model.settings import UNICAST, broadcast
 from proxy.core.protocol.messages import State
 
 HERE = broadcast("224.0.0.226:7449")

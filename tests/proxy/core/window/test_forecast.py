@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxy.core.model.transport import broadcast
+from proxy.core.model.settings import broadcast
 from proxy.core.protocol.messages import State
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.window.tuning import TUNING

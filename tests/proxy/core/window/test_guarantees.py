@@ -10,7 +10,7 @@ from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.stream import Sent
-from proxy.core.window.guarantees import guaranteed, longest, owed
+from proxy.core.window.forecast import guaranteed, longest, owed
 from studies.simulation.medium import Medium
 from studies.simulation.team import Frame, Team
 from utility_specs import load_specs

@@ -5,8 +5,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.window.size import WindowSize
 from proxy.core.window.tuning import TUNING
+from proxy.core.window.window import WindowSize
 
 
 def test_without_a_deadline_windows_hold_everything():
