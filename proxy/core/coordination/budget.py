@@ -55,7 +55,7 @@ class Budget:
 
     def __init__(self, view: SharedView, coordination: Coordination) -> None:
         self._view = view
-        self._coordination = coordination
+        self._coordination, self.hollow = coordination, coordination.hollow
         self.limits: tuple[Limit, ...] = ()
         """The constraints in force for all robots together, adaptive ones as the channel bears them."""
         self._memory = 0.0

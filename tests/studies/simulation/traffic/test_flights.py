@@ -2,9 +2,12 @@
 
 import pytest
 
+from planner import Linear, Step
 from studies.simulation.traffic.flights import How, crew, fly, fly_alone
-from studies.simulation.traffic.missions import ALONE, WARM_UP, draw
+from studies.simulation.traffic.kinds import Kind
+from studies.simulation.traffic.missions import ALONE, WARM_UP, draw, draw_from
 from studies.simulation.traffic.scores import score
+from studies.simulation.traffic.workloads import MBIT, Workload
 
 
 def test_one_decider_keeps_the_limit_at_any_latency():
@@ -50,6 +53,15 @@ def test_a_large_team_keeps_the_limit_and_the_allowance_and_nobody_is_silent(tea
     assert found.told <= found.allowed
     assert found.sent > (0.65 if how.coordination == "announce" else 0.4) * found.room
     assert max(found.silence.values()) < 4.0
+
+
+def test_nobody_takes_what_others_say_for_hollow_where_most_samples_are_worth_nothing():
+    """The last one still counts: it is for nothing that others claim that the next ones are dropped."""
+    lasting = Kind("lasting", Step(1.0, 10.0), (10.0, 12.0), (45_000, 56_000))
+    small = Kind("small", Linear(1.0, 0.7), (1.0, 1.4), (6_000, 8_000))
+    mission = draw_from(Workload("lasting", ((lasting, small),) * 3, 3.0 * MBIT, 0.5), 0, 12.0, latency=0.02)
+    flight = fly(mission, How(loss=0.0), 0)
+    assert not any(core.coordination.keeps for core in flight.cores.values())
 
 
 def test_further_settings_are_the_cores():
