@@ -175,8 +175,11 @@ class Client:
         return self._ordered(robot, order, payload, attachment)
 
     def _ordered(self, robot: str, order: str, payload: bytes, attachment: bytes | None = None) -> list[Outcome]:
+        """Return what became of an order: at the robot that passes it on at least. Raises NoAnswerError."""
         asked = self._ask(keys.to_fleet(robot, order), payload, TUNING.order_wait, attachment)
-        return read_outcomes(asked[0].encode())
+        if not (outcomes := read_outcomes(asked[0].encode())):
+            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version")
+        return outcomes
 
     def samples(self, key: str, timeout: float) -> Generator[zenoh.Sample, None, None]:
         """Yield what is put under a key expression from now on. Raises NoAnswerError after so many seconds."""

@@ -49,3 +49,16 @@ def test_what_other_robots_answer_moves_no_cursor(stand_in, capsys):
     where = stand_in({"@sendworthy/r1/to-fleet/mode": tell})
     assert main(["mode", "shadow", "--fleet", "--robot", "r1", "--connect", where]) == exit_codes.OK
     assert capsys.readouterr().out == "r2: \ufffd[2J\n"
+
+
+@pytest.mark.parametrize("told", ["hello", "[]", '[{"robot": "r1"}]', "[" * 100_000])
+def test_what_tells_of_no_robot_is_no_answer(stand_in, capsys, told):
+    """A daemon tells of itself at least: nobody takes it for obeyed where nothing is said."""
+
+    def tell(query):
+        query.reply("@sendworthy/r1/to-fleet/mode", told)
+        query.drop()
+
+    where = stand_in({"@sendworthy/r1/to-fleet/mode": tell})
+    assert main(["mode", "pass", "--fleet", "--robot", "r1", "--connect", where]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"sendworthy mode: what answers at {where} is no daemon of this version\n"
