@@ -27,8 +27,9 @@ class Nothing(Enum):
 class Agenda:
     """Orders first; then what is due, what follows from what was done last, what the core only notes, and all else.
 
-    Of all else some goes between what follows: when room opens for a hundred samples that wait, one decision follows
-    another for 50 ms. A sample that came meanwhile was taken up after the last one, however urgent it was.
+    Of all else some goes between what follows, and what is noted before that: when room opens for a hundred samples
+    that wait, one decision follows another for 50 ms. A sample that came meanwhile was taken up after the last one,
+    however urgent it was.
     """
 
     def __init__(self) -> None:
@@ -88,6 +89,8 @@ class Agenda:
         if not self.following:
             return self.noted or self._items
         if self._items and self._items[0] is not None and self._between < TUNING.between:
+            if self.noted:  # it came before: a later digest of its robot may be among the items
+                return self.noted
             self._between += 1
             return self._items
         self._between = 0

@@ -89,7 +89,8 @@ class Loop:
         a second that came. From any thread.
         """
         noted = self._agenda.noted
-        if not self.feed.notes or len(noted) >= TUNING.items:
+        # Where anything else waits this waits behind it: an earlier digest of its robot may be there.
+        if not self.feed.notes or self._agenda.urgent or len(noted) >= TUNING.items:
             self.offer(item)
             return
         noted.append(item)

@@ -29,6 +29,15 @@ def test_some_of_what_came_meanwhile_goes_between_what_follows():
     assert taken(agenda) == [*comes[:n], follows[0], *comes[n : 2 * n], follows[1], *comes[2 * n :], follows[2]]
 
 
+def test_what_was_noted_is_overtaken_by_nothing_that_goes_between():
+    """A later digest of its robot may be that: the earlier one would count as a replay."""
+    agenda, (follows, noted, later) = Agenda(), events(3)
+    agenda.following.append(follows)
+    agenda.noted.append(noted)
+    agenda.put(later)
+    assert taken(agenda) == [noted, later, follows]
+
+
 def test_what_follows_is_done_before_the_end():
     """It belongs to what was done before."""
     agenda, (last, follows) = Agenda(), events(2)
@@ -48,7 +57,7 @@ def test_orders_and_what_is_due_come_before_all_else():
     agenda.put_at(2.0, later)
     agenda.at(0.0, due)
     agenda.orders.append(order := lambda: None)
-    assert taken(agenda) == [order, due, follows, noted]
+    assert taken(agenda) == [order, due, noted, follows]
     assert (agenda.due(), agenda.take(1.0)) == (2.0, Nothing.YET)
     assert agenda.take(2.0) is later
     assert agenda.due() == math.inf

@@ -376,6 +376,19 @@ def test_what_is_due_sooner_by_what_was_brought_wakes_the_loop(led, monkeypatch)
     assert ran.wait(20.0)
 
 
+@pytest.mark.parametrize("noted", [(False, True), (True, False), (True, True)])
+def test_what_is_noted_keeps_its_order(noted):
+    """Whether the core only notes it changes from one moment to the next; digests of a robot keep their order."""
+    core, taken = Core(CoreSettings("r1", "z1"), Specs.empty(), clock.monotonic()), []
+    loop = Loop(core, lambda _: None)
+    for number, only in enumerate(noted):
+        loop.feed.notes = only
+        loop.note(partial(taken.append, number))
+    loop.start()
+    loop.close(20.0)
+    assert taken == [0, 1]
+
+
 def test_what_the_core_only_notes_comes_before_what_is_brought(led, passing, monkeypatch):
     """Whoever brings a sample sees to that, too: the loop's thread need not wake."""
     monkeypatch.setattr(type(led.core), "notes", True)
