@@ -156,7 +156,8 @@ class Presence:
             else:
                 announce(key, payload)
         except zenoh.ZError as error:
-            log.error("cannot publish on %s: %s", key, error)
+            if self._declared:  # else we leave: the loop may have been too busy to end before the session
+                log.error("cannot publish on %s: %s", key, error)
 
     def _answer_state(self, query: zenoh.Query) -> None:
         """Answer a question, if there were not too many: who asks in vain asks again."""
