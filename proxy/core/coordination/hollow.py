@@ -50,6 +50,8 @@ class Hollow:
         self._until = -math.inf
         self._rest = TUNING.retry_time
         self._before: _Account | None = None
+        self._judged = -math.inf
+        """When claims were judged last, or it began [s]."""
         self._spared = Counter[str]()
         """By key, how many samples of ours were dropped though nothing asked anything for their room."""
 
@@ -75,7 +77,7 @@ class Hollow:
         """Look at what became of claims since some windows ago, if it is time to; that the team `splits` is one."""
         shared = tuple(limit for limit in limits if limit.shared)
         if self.found(now) or not shared or not view.peers:
-            self._before = None
+            self._before, self._judged = None, now
             return
         before = self._before
         time = max(TUNING.hollow_time, TUNING.hollow_windows * max(limit.window for limit in shared))
@@ -84,10 +86,16 @@ class Hollow:
         after = _account(now, view, self._spared)
         self._spared = Counter({key: count for key, count in self._spared.items() if key in after.streams})
         longest = TUNING.hollow_patience * time
-        if before is not None and now < before.at + longest and not _all_told(before, after, view):
+        # Who left does not tell what came until then, nor who came what came before: an operator's robot that began
+        # anew left the cameras of four others silent for a minute. Nobody puts it off for good by coming and going.
+        others = before is None or before.claims.keys() != after.claims.keys()
+        if before is None or (others and now < self._judged + TUNING.hollow_put_off * longest):
+            self._before = after
             return
-        self._before = after
-        if before is None or not _held_back(before, after) or not (splits or _claimed(before, after, now, view)):
+        if now < before.at + longest and not _all_told(before, after, view):
+            return
+        self._before, self._judged = after, now
+        if not _held_back(before, after) or not (splits or _claimed(before, after, now, view)):
             return
         equal = _equal_part(view)
         ours, every = _use(before, after, view, shared, TUNING.hollow_untold * equal)

@@ -77,7 +77,9 @@ class CoordinationTuning:
     hollow_windows: float = 6.0
     """... and so many windows..."""
     hollow_patience: float = 5.0
-    """... or so many times as late at most where not all have told; they are hollow where..."""
+    """... or so many times as late at most where not all have told..."""
+    hollow_put_off: float = 2.0
+    """... and so many times as late as that where robots come and go meanwhile; they are hollow where..."""
     hollow_sent: float = 0.8
     """... less than this part of what we generated was sent..."""
     hollow_own: float = 0.7

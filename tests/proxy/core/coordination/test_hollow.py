@@ -151,6 +151,30 @@ def test_who_claims_what_nobody_gets_takes_an_equal_part(specs):
     assert air.rate(air.now - 4.0) > 0.9 * LIMIT / 3
 
 
+def test_claims_are_not_judged_while_robots_come_and_go_but_soon_after(specs):
+    """Who left does not tell what came of others until then. It hides no lie for good."""
+
+    def lied_to():
+        air = Air(specs)
+        air.run(8.0)
+        air.lie(boasts)
+        return air
+
+    def is_found(air):
+        while not air.found():
+            air.run(air.now + 0.25)
+            assert air.now < 100.0
+        return air.now
+
+    found_at, air = is_found(lied_to()), lied_to()
+    air.run(found_at - 1.0)
+    air.tell("a", ev.PeerAppeared(air.now, "d", "dd00000001"))
+    air.tell("a", ev.StateHeard(air.now, State("d", "dd00000001", "enforce", "", (), number=1), 300))
+    air.run(found_at + 1.0)
+    assert not air.found()
+    is_found(air)
+
+
 def test_without_lies_nothing_is_hollow(specs):
     """A robot that is there and has nothing to say is none."""
     air = Air(specs)
