@@ -17,6 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from proxy.bridge.radio import index_of
+from proxy.bridge.tuning import TUNING
 
 _TABLES = ("/proc/self/net/udp", "/proc/self/net/udp6")
 _MEMINFO, _MEMORY, _HELD = 55, 36, struct.Struct("@I")
@@ -44,6 +45,8 @@ class GroupSockets:
         self._ever_found |= bool(sockets)
         if self._ever_found:
             self._sockets = sockets
+        for descriptor, _ in sockets:
+            _widen(descriptor)
 
     @property
     def closed(self) -> bool:
@@ -102,15 +105,27 @@ def is_open(descriptor: int, inode: int) -> bool:
         return False
 
 
+@contextmanager
+def _borrowed(descriptor: int) -> Iterator[socket.socket]:
+    known = socket.socket(fileno=descriptor)
+    try:
+        yield known
+    finally:
+        known.detach()  # it is Zenoh's
+
+
 def _unread(descriptor: int) -> int:
     try:
-        known = socket.socket(fileno=descriptor)
-        try:
+        with _borrowed(descriptor) as known:
             return int(_HELD.unpack_from(known.getsockopt(socket.SOL_SOCKET, _MEMINFO, _MEMORY))[0])
-        finally:
-            known.detach()  # it is Zenoh's
     except OSError:  # it was closed meanwhile
         return 0
+
+
+def _widen(descriptor: int) -> None:
+    """Let more wait there, as far as this host allows."""
+    with suppress(OSError), _borrowed(descriptor) as known:
+        known.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, TUNING.group_buffer)
 
 
 def _refusal_v4(host: str, port: int, interface: str) -> str:

@@ -82,6 +82,9 @@ class BridgeTuning:
     group_silent: float = 2.5
     """The session is opened anew when nobody is heard for so long although there are others [s]; then after twice as
     long, and so on."""
+    group_buffer: int = 4 * 1024 * 1024
+    """What may wait to be read there [B], as far as `net.core.rmem_max` allows. In the kernel's 208 kB one sample of
+    1 MB in three was lost where the channel is faster than Zenoh reads."""
     group_unread: int = 10
     """Zenoh reads within milliseconds: it hears nothing more when so many looks find nothing read of what came."""
     longest_group_silent: float = 60.0

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from proxy.bridge.group_socket import GroupSockets, is_open, refusal, sockets_on
+from proxy.bridge.tuning import TUNING
 from tests.ports import free_port
 
 
@@ -72,6 +73,19 @@ def test_a_socket_of_which_nothing_is_read_is_stuck():
         two.sendto(b"x", ("127.0.0.1", port))
         assert [sockets.stuck(2, busy=False) for _ in range(3)] == [False, False, True]
     assert not sockets.stuck(2, busy=False)
+
+
+def test_as_much_may_wait_as_this_host_allows():
+    """The kernel's own 208 kB are less than one large sample, and what finds no room is lost."""
+    most = int(Path("/proc/sys/net/core/rmem_max").read_text())
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        before = one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+        port = free_port()
+        with GroupSockets(f"224.0.0.226:{port}").found():
+            one.bind(("127.0.0.1", port))
+        after = one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+    assert after == 2 * min(most, TUNING.group_buffer)  # the kernel doubles it, for what it adds to each datagram
+    assert after > before
 
 
 def test_a_file_in_the_place_of_a_socket_that_was_closed_is_left_alone(tmp_path):
