@@ -113,8 +113,14 @@ class Demand:
         return {zid for zid, wanted in self._robots.items() if any(each.intersects(key) for each in wanted)}
 
     def silent(self, key: str) -> bool:
-        """Whether `key` must not be published: on a mesh session Zenoh sees to that itself, on the air it does not."""
-        return self._broadcast and not self._matching.get(key, True)
+        """Whether `key` must not be published: on a mesh session Zenoh sees to that itself, on the air it does not.
+
+        Who was silent so far asks Zenoh, for it tells later: a sample for a token that was just seen would be lost.
+        """
+        if not self._broadcast or self._matching.get(key, True):
+            return False
+        outlet = self._outlets.get(key)
+        return outlet is None or not matches(outlet.publisher)
 
     def update(self) -> None:
         """Declare publishers for new keys, and hear those that turned. May block for as long as the mesh does."""
@@ -136,12 +142,6 @@ class Demand:
             key = self._turned.pop()
             if (outlet := self._outlets.get(key)) is not None:
                 self._set(key, matching=matches(outlet.publisher))
-
-    def ask(self) -> None:
-        """Ask for those that are silent whether somebody wants them by now: that is told a moment later."""
-        for key, outlet in self._outlets.items() if self._broadcast else ():
-            if not self._matching.get(key, True) and matches(outlet.publisher):
-                self._set(key, matching=True)
 
     def close(self) -> None:
         """Follow nothing more."""

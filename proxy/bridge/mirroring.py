@@ -178,8 +178,6 @@ class Mirroring:
             else:
                 self._mirror()
             self._editions = editions
-        if awaited:
-            self._demand.ask()
         self._fence.end()
         self._demand.update()
         return self._unsettled()

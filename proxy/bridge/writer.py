@@ -62,9 +62,9 @@ class Writer:
         if key is not None and not keys.fits(key):
             return False
         outlet = None if held.to else self._demand.outlet(held.key)
-        if outlet is None and not held.to and self._demand.silent(held.key):
-            return True
         try:
+            if outlet is None and not held.to and self._demand.silent(held.key):
+                return True
             if outlet is not None and not droppable and outlet.suits(sample):
                 # Most samples have neither, and Zenoh looks at whatever it is given.
                 rest: dict[str, Any] = {} if held.source is None else {"source_info": held.source}

@@ -151,8 +151,8 @@ def test_in_broadcast_one_transmission_is_for_all(stack, mesh, demand, follow):
     assert not heard.samples
 
 
-def test_who_asks_need_not_wait_for_the_turn_to_be_told(stack, mesh, events):
-    """In broadcast what is silent no longer is as soon as somebody asks, although nobody has updated since."""
+def test_in_broadcast_nobody_is_silent_who_is_wanted_by_now(stack, mesh, events):
+    """Although nobody has updated since: that takes long with thousands of keys, and their samples were lost."""
     demand = Demand(mesh[0], events.append, lambda: None, broadcast=True)
     stack.callback(demand.close)
     made = Heard(mesh[0], "made")
@@ -164,7 +164,6 @@ def test_who_asks_need_not_wait_for_the_turn_to_be_told(stack, mesh, events):
     other = closing(stack, plain_session("peer", connect=(mesh[1],)))
     heard = Heard(other, "k")
     pass_fence(other, mesh[0])
-    demand.ask()
     assert not demand.silent("k")
     del heard
 
