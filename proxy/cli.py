@@ -103,7 +103,7 @@ def _prepare_output() -> None:
     """Have all that is printed go somewhere, in what can be shown there: names and keys may be of any script."""
     if sys.stdout is None:  # who started us closed it
         sys.stdout = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
-    if isinstance(sys.stdout, io.TextIOWrapper):
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="replace")
 
 

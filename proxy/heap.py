@@ -66,5 +66,8 @@ def _beside_what_is_used() -> int:
     mallinfo = _LIBC.mallinfo2
     mallinfo.restype = _Mallinfo
     told = mallinfo()
-    _, resident, shared, *_ = map(int, Path("/proc/self/statm").read_text().split())
+    try:
+        _, resident, shared, *_ = map(int, Path("/proc/self/statm").read_text().split())
+    except OSError:  # there is no descriptor left
+        return 0
     return (resident - shared) * resource.getpagesize() - int(told.uordblks) - int(told.hblkhd)

@@ -59,7 +59,7 @@ class Hollow:
         """A sample of ours was dropped though nothing asked anything for its room: nobody held it back.
 
         Three robots whose large samples last for 10 s kept to equal parts, in which none fits, as most were worth
-        nothing; they reached 72 % of a central decider on a channel that was hardly used, and reach 88 now.
+        nothing; they reached 72 % of a central decider on a channel that was hardly used, and reach 84 now.
         """
         self._spared[key] += 1
 
@@ -69,15 +69,22 @@ class Hollow:
 
     def keeps(self, now: float, view: SharedView, limits: Sequence[Limit], team: Team) -> float:
         """Look at what became of claims; return the part that we keep to, 0 where they are not hollow."""
-        if not team.votes_to_split:
+        if team.votes_to_split:
+            self._begin(now)
+        else:
             self._advance(now, view, limits, splits=team.splits)
         return _equal_part(view) if self.found(now) else 0.0
+
+    def _begin(self, now: float) -> None:
+        """Nothing is known from before: claims are judged over an interval of which all of us heard."""
+        self._before, self._judged = None, now
+        self._spared.clear()
 
     def _advance(self, now: float, view: SharedView, limits: Sequence[Limit], *, splits: bool) -> None:
         """Look at what became of claims since some windows ago, if it is time to; that the team `splits` is one."""
         shared = tuple(limit for limit in limits if limit.shared)
         if self.found(now) or not shared or not view.peers:
-            self._before, self._judged = None, now
+            self._begin(now)
             return
         before = self._before
         time = max(TUNING.hollow_time, TUNING.hollow_windows * max(limit.window for limit in shared))

@@ -119,7 +119,7 @@ class Team:
         """Robots may have yet to agree on parts; where that takes too long they do without for a while."""
         agreeing, agreed = False, False
         if agreement is not None and self.members and not self.large:
-            agreeing, agreed = agreement.pending, outdoes_equal(agreement)
+            agreeing, agreed = agreement.pending, agreement.pending and outdoes_equal(agreement)
         self._stuck = self.patience.is_over(now, self.news_take(waiting), pending=agreeing, agreed=agreed)
         dear = self.gave_up or self._dear_since < math.inf
         self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))

@@ -35,7 +35,7 @@ class GossipTuning:
     echoes_ahead: float = 600.0
     """What echoes may take ahead of that [B]: without any nobody knows how long the way is."""
     patience: float = 2.0
-    """A robot waits for the others to leave it room for so many times what its equal part takes to pay for a digest:
+    """A robot waits for the others to leave it room for at most so many times what its part takes to pay for a digest:
     beside one that said fifty a second two of four robots used 28 % of the limit for good."""
     answers: float = 1.5
     """What all robots answer takes so many times what the allowance has room for meanwhile: other news go on beside."""

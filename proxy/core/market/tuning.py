@@ -65,7 +65,7 @@ class MarketTuning:
     late_robots: int = 2
     """... nor where more robots compete, for what they wait for is not known: two sent 3 % more, four 2 % less."""
     paced: float = 0.8
-    """A sample keeps the channel busy for this part of what it takes at the limits' pace (all: 79 % filled, not
+    """A sample keeps the channel busy for at most this part of what it takes at the limits' pace (all: 79 % filled, not
     82)..."""
     paced_least: float = 0.25
     """... and for less than this part nobody waits: a channel so fast gains nothing (1.1 % over, not 0.4)..."""

@@ -274,7 +274,7 @@ class Gate:
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
         self.decisions.note(Decided(now, sample.key, plan, pending.constraints, reason))
         why = Why(reason, SEARCH, lacking, beside if lacking else "", None, searched)
-        if not (plan.send or any(plan.prices)):
+        if not (plan.send or plan.binding):
             self._budget.hollow.spare(sample.key)
         if reason != "forwarded":
             return [self.outcomes.refuse(now, stream, sample, why)]

@@ -47,7 +47,7 @@ class ViewTuning:
     small_team: int = 10
     """That is done more rarely in a larger team than this, by as many times as it is larger."""
     size_digits: int = 5
-    """Streams have one audience whose sizes differ beyond so many binary digits: looking took half of weighing."""
+    """Streams have one audience whose sizes differ only beyond so many binary digits: looking took half of weighing."""
 
     # What one robot may say
     implausible_for: float = 10.0
