@@ -3,6 +3,7 @@
 import tracemalloc
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from statistics import median
 from time import thread_time
@@ -131,6 +132,7 @@ class Crowd:
         view = self.core.view
         self._timed(NOTED, view.overhearing, "take")
         self._timed(LEARNED, view, "heard_digest")
+        self.core = copy(self.core)  # which asks its parts anew what takes events in
 
     def _timed(self, kind: int, part: object, name: str) -> None:
         update: Callable[..., object] = getattr(part, name)
