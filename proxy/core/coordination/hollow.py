@@ -34,7 +34,7 @@ class _Claim(NamedTuple):
 
 
 class _Account(NamedTuple):
-    """What was sent so far: by us and, as they say, by others; of our streams, what was worth it and what was sent."""
+    """What was sent so far: by us and, as they say, by others; of our streams, what was generated and what sent."""
 
     at: float
     ours: Sent
@@ -53,7 +53,7 @@ class Hollow:
         self._judged = -math.inf
         """When claims were judged last, or it began [s]."""
         self._spared = Counter[str]()
-        """By key, how many samples of ours were dropped though nothing asked anything for their room."""
+        """By key, how many samples of ours were dropped since then though nothing asked anything for their room."""
 
     def spare(self, key: str) -> None:
         """A sample of ours was dropped though nothing asked anything for its room: nobody held it back.
@@ -70,39 +70,39 @@ class Hollow:
     def keeps(self, now: float, view: SharedView, limits: Sequence[Limit], team: Team) -> float:
         """Look at what became of claims; return the part that we keep to, 0 where they are not hollow."""
         if team.votes_to_split:
-            self._begin(now)
+            self._begin(None, now)
         else:
             self._advance(now, view, limits, splits=team.splits)
         return _equal_part(view) if self.found(now) else 0.0
 
-    def _begin(self, now: float) -> None:
-        """Nothing is known from before: claims are judged over an interval of which all of us heard."""
-        self._before, self._judged = None, now
+    def _begin(self, account: _Account | None, judged: float) -> None:
+        """Look at claims from this account on, or the next where there is none; they were `judged` last then [s]."""
+        self._before, self._judged = account, judged
         self._spared.clear()
 
     def _advance(self, now: float, view: SharedView, limits: Sequence[Limit], *, splits: bool) -> None:
         """Look at what became of claims since some windows ago, if it is time to; that the team `splits` is one."""
         shared = tuple(limit for limit in limits if limit.shared)
         if self.found(now) or not shared or not view.peers:
-            self._begin(now)
+            self._begin(None, now)
             return
         before = self._before
         time = max(TUNING.hollow_time, TUNING.hollow_windows * max(limit.window for limit in shared))
         if before is not None and now < before.at + time:
             return
-        after = _account(now, view, self._spared)
-        self._spared = Counter({key: count for key, count in self._spared.items() if key in after.streams})
+        after = _account(now, view)
         longest = TUNING.hollow_patience * time
         # Who left does not tell what came until then, nor who came what came before: an operator's robot that began
         # anew left the cameras of four others silent for a minute. Nobody puts it off for good by coming and going.
         others = before is None or before.claims.keys() != after.claims.keys()
         if before is None or (others and now < self._judged + TUNING.hollow_put_off * longest):
-            self._before = after
+            self._begin(after, self._judged)
             return
         if now < before.at + longest and not _all_told(before, after, view):
             return
-        self._before, self._judged = after, now
-        if not _held_back(before, after) or not (splits or _claimed(before, after, now, view)):
+        held_back = _held_back(before, after, self._spared)
+        self._begin(after, now)
+        if not held_back or not (splits or _claimed(before, after, now, view)):
             return
         equal = _equal_part(view)
         ours, every = _use(before, after, view, shared, TUNING.hollow_untold * equal)
@@ -116,11 +116,9 @@ def _equal_part(view: SharedView) -> float:
     return 1.0 / len({view.settings.robot, *(peer.name for peer in view.peers.values() if not peer.plain)})
 
 
-def _account(now: float, view: SharedView, spared: Mapping[str, int]) -> _Account:
+def _account(now: float, view: SharedView) -> _Account:
     own = {
-        s.key: (s.generated - spared.get(s.key, 0), s.forwarded, s.sizes.mean)
-        for s in view.streams.own()
-        if view.contention.competes(now, s)
+        s.key: (s.generated, s.forwarded, s.sizes.mean) for s in view.streams.own() if view.contention.competes(now, s)
     }
     claims = {name: _claim(now, peer, view) for name, peer in view.peers.items() if not peer.plain}
     return _Account(now, (view.traffic.messages, view.traffic.bytes), own, claims)
@@ -150,10 +148,11 @@ def _receivers(name: str, view: SharedView) -> list[str]:
     return [tag(view.settings.zid), *(o for o, peer in view.peers.items() if peer.name != mine and not peer.plain)]
 
 
-def _held_back(before: _Account, after: _Account) -> bool:
-    """Whether many of the bytes that our streams generated meanwhile were not sent."""
-    both = [(before.streams[key], now) for key, now in after.streams.items() if key in before.streams]
-    generated, sent = (sum((now[i] - then[i]) * now[2] for then, now in both) for i in (0, 1))
+def _held_back(before: _Account, after: _Account, spared: Mapping[str, int]) -> bool:
+    """Whether many of the bytes that our streams generated meanwhile were not sent, but for what was `spared`."""
+    both = [(key, before.streams[key], now) for key, now in after.streams.items() if key in before.streams]
+    generated = sum((now[0] - then[0] - spared.get(key, 0)) * now[2] for key, then, now in both)
+    sent = sum((now[1] - then[1]) * now[2] for _, then, now in both)
     return generated > 0 and sent < TUNING.hollow_sent * generated
 
 
