@@ -138,8 +138,9 @@ class Team:
         view, window, still = self._view, shortest_window(limits), TUNING.hysteresis if self.votes_to_split else 1.0
         competing = view.contention.all(now)
         sending = {stream.robot for stream in competing} | _unheard(view)
-        dear = announcing(now) > still * TUNING.affordable
         self.sharers = self.members if self.large else self._find_senders()
+        by_turns = any(exceeds(1.0 / self.sharing, use_of(round(s.sizes.mean), 1, limits), limits) for s in competing)
+        dear = announcing(now) > still * (TUNING.affordable_turns if by_turns else TUNING.affordable)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
         # nobody says anything: one of four robots heard nothing of the others for 14 s, and took the whole limit.

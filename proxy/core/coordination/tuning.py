@@ -15,6 +15,8 @@ class CoordinationTuning:
     """So many late digests in a row say that a queue makes news late: else four robots filled 2.8 limits for ever."""
     affordable: float = 0.8
     """Announcements cost too much where they take this part of the allowance..."""
+    affordable_turns: float = 1.2
+    """... or this one, where messages are larger than an equal part, and would go by turns..."""
     seldom_period: float = 0.25
     """Samples come seldom that are so far apart at least [windows]..."""
     seldom_size: float = 0.2

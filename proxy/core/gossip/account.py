@@ -57,14 +57,16 @@ class Account:
         """A digest of another robot, of so many bytes, came; those that were lost are booked with it."""
         sent, copies = round(size / (1.0 - self._view.paths.mean_loss())), self.digest_copies
         self._budget.heard(now, sent, copies)
-        self.heard += _cost(sent, copies)
+        self.heard += self._count(now, sent, copies)
 
     def heard_state(self, now: float, state: State, size: int) -> None:
         """A state of another robot, of so many bytes, came: an update went to all, a whole state mostly to us alone."""
         copies = self.copies if state.since else 1
         if state.since and state.split is not None:
             self._budget.heard(now, size, copies)
-        self.heard += _cost(size, copies)
+            self.heard += self._count(now, size, copies)
+        else:
+            self.heard += _cost(size, copies)
 
     def sent_digest(self, now: float, digest: Digest, *, announces: bool) -> None:
         """A digest of ours goes out. Where it is broadcast it carries its whole key, else a number for the key."""
@@ -72,18 +74,25 @@ class Account:
         key = TUNING.on_air + len(self._view.settings.robot) if on_air else 0
         size, copies = len(pack_digest(digest)) + key, self.digest_copies
         self._budget.sent(now, size, copies, announces=announces)
-        self.told += _cost(size, copies)
+        self.told += self._count(now, size, copies)
 
     def sent_parts(self, now: float, size: int) -> None:
         """An update of our state, of so many bytes, tells all of parts: that is paid for as digests are."""
         self._budget.sent(now, size, self.copies, announces=True)
-        self.told += _cost(size, self.copies)
+        self.told += self._count(now, size, self.copies)
 
     def sent_other(self, now: float, size: int, copies: int) -> None:
         """A state or a question of ours, of so many bytes, goes out in so many copies."""
         self._budget.advance(now)
         self._budget.states.owe(size, copies)
         self.told += _cost(size, copies)
+
+    def _count(self, now: float, size: int, copies: int) -> int:
+        """Return what something takes in so many copies [B]; what exceeds the allowance of a window is load."""
+        cost = _cost(size, copies)
+        if (excess := min(cost, round(self._budget.told_lately - self._allowance * self.window))) > 0:
+            self._view.traffic.note_unknown(now, excess, "")
+        return cost
 
 
 def _cost(size: int, copies: int) -> int:

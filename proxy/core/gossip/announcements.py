@@ -5,6 +5,7 @@ from proxy.core.coordination.coordination import Coordination
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
+from proxy.core.market.standing import interval_of
 from proxy.core.model.limits import changes_plans, longest_window, shortest_window, use_of
 from proxy.core.model.settings import is_broadcast
 from proxy.core.view.stream import Stream
@@ -81,14 +82,15 @@ class Announcements:
         if self.overheard:
             return 0.0
         limits, rate = self._limits.limits, 0.0
+        window = shortest_window(limits)
         load = [0.0] * len(limits)
         for stream in self._view.contention.all(now):
             use = use_of(round(stream.sizes.mean), self._view.subscribers.copies(stream), limits)
             if changes_plans(use, limits):
-                often = 1.0 / stream.period
+                often = 1.0 / interval_of(now, stream, window)
                 rate += often
                 load = [before + often * each for before, each in zip(load, use, strict=True)]
         fits = [c.limit / c.window / each for c, each in zip(limits, load, strict=True) if c.shared and each > 0.0]
         # Of a large team little is known for long; but that it sends some messages in each window.
-        most = max(min([1.0, *fits]) * rate, TUNING.fewest_sends / shortest_window(limits))
+        most = max(min([1.0, *fits]) * rate, TUNING.fewest_sends / window)
         return most * (TUNING.announcement + TUNING.overhead) * self._account.digest_copies / self._budget.rate

@@ -177,6 +177,11 @@ class DigestBudget:
             self.echoes.gain(elapsed * rate, self._most_own(rate))
             self._own -= self.states.gain(elapsed)
 
+    @property
+    def told_lately(self) -> float:
+        """What all told in the last window, as of the last time something was [B]."""
+        return 0.0 if self._saved else self._recent.total
+
     def heard(self, now: float, size: int, copies: int) -> None:
         """Another robot told something of so many bytes, in so many copies."""
         cost = self._note(now, size, copies)

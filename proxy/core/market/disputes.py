@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from proxy.core.market.room import at_pace, pace_part
-from proxy.core.market.standing import UNKNOWN, Amounts, Row, Rows, Standing, UnderWay, Weighed, reserve
+from proxy.core.market.standing import UNKNOWN, Amounts, Row, Rows, Standing, UnderWay, Weighed, rate_known, reserve
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
@@ -170,7 +170,7 @@ class Disputes:
         booked = reserve([row for row, _ in load], apart, limits)
         others = [(row, time) for (row, _), time in zip(load, apart, strict=True) if not self._own(row.stream)]
         self.under_way = UnderWay.of(others, len(limits))
-        presumed = self._presumed(now, [row for row, _ in load], apart)
+        presumed = self._presumed(now, [row for row, _ in load], apart, self._untold(now, rows))
         kept = [
             max(
                 (r.use[k] - TUNING.smaller_deviations * r.deviation[k] for r in contested if r.use[k] <= c.limit),
@@ -195,23 +195,33 @@ class Disputes:
             occupies = pace_part(self._view, largest.stream, limits) * at_pace(largest.use, limits)
             self.stretched = TUNING.paced_ahead * occupies
 
-    def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float]) -> Amounts:
-        """What robots that were met lately use of each limit, besides what is known of them, if they are like us.
+    def _untold(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> set[str]:
+        """Return the robots of which news are so late that nobody knows how often they generate what they do."""
+        window = min([limit.window for limit in self._limits], default=0.0)
+        return {
+            row.stream.robot
+            for row, _ in rows
+            if not self._own(row.stream)
+            and not rate_known(row.stream.touched, row.stream, window)
+            and now > row.stream.touched + TUNING.untold * row.interval
+        }
+
+    def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float], untold: set[str]) -> Amounts:
+        """What robots that were met lately, or are `untold`, use of each limit beside what is known, if they are like us.
 
         Eight robots that met had 20 to 40 % of the first 6 s of windows over the limit without it, 1 to 5 % with it.
         """
         limits, me = self._limits, self._view.settings.robot
-        met = (
-            []
-            if self._alone
-            else [p for p in self._view.newcomers.little_known(now) if not self._view.newcomers.only_listens(p)]
-        )
-        uses = {robot: [0.0] * len(limits) for robot in (me, *(peer.robot for peer in met))}
+        met = set()
+        if not self._alone:
+            listens, little = self._view.newcomers.only_listens, self._view.newcomers.little_known(now)
+            met = untold | {peer.robot for peer in little if not listens(peer)}
+        uses = {robot: [0.0] * len(limits) for robot in (me, *met)}
         for row, interval in zip(load, apart, strict=True):
             if (use := uses.get(row.stream.robot)) is not None:
                 for k, c in enumerate(limits):
                     use[k] += row.use[k] * c.window / interval
-        lacking = [[max(0.0, ours - theirs) for ours, theirs in zip(uses[me], uses[p.robot], strict=True)] for p in met]
+        lacking = [[max(0.0, ours - theirs) for ours, theirs in zip(uses[me], uses[robot], strict=True)] for robot in met]
         return tuple([sum(each[k] for each in lacking) if c.shared else 0.0 for k, c in enumerate(limits)])
 
     def _used(self, now: float) -> Amounts:

@@ -46,6 +46,8 @@ class MarketTuning:
     """A new stream goes on as with half a sample less; if it is the only new one so many more."""
     rate_samples: int = 8
     """Of a stream that generated fewer samples nobody can say how often it does."""
+    untold: float = 2.0
+    """News of a stream of which few samples are known are late after so many of its intervals."""
     longest: float = 300.0
     """What a stream loses by what it shows too much counts up to so many of its intervals: none sends more seldom."""
     most_scale: float = 1e100
