@@ -3,10 +3,12 @@
 import os
 import socket
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from proxy.bridge import group_socket
 from proxy.bridge.group_socket import GroupSockets, is_open, refusal, sockets_on
 from proxy.bridge.tuning import TUNING
 from tests.ports import free_port
@@ -86,6 +88,17 @@ def test_as_much_may_wait_as_this_host_allows():
         after = one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
     assert after == 2 * min(most, TUNING.group_buffer)  # the kernel doubles it, for what it adds to each datagram
     assert after > before
+
+
+def test_a_socket_that_has_more_room_keeps_it(monkeypatch):
+    """As where a host gives each socket more than the most that a program may ask for."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        before = one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+        monkeypatch.setattr(group_socket, "TUNING", replace(TUNING, group_buffer=before // 4))
+        port = free_port()
+        with GroupSockets(f"224.0.0.226:{port}").found():
+            one.bind(("127.0.0.1", port))
+        assert one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) == before
 
 
 def test_a_file_in_the_place_of_a_socket_that_was_closed_is_left_alone(tmp_path):

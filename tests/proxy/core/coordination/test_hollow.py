@@ -6,6 +6,7 @@ from itertools import count
 import pytest
 
 from planner import SearchSettings, start
+from proxy.core.coordination.hollow import Hollow
 from proxy.core.core import Core
 from proxy.core.interface import commands as cmd
 from proxy.core.interface import events as ev
@@ -201,6 +202,23 @@ def test_who_asked_for_split_is_left_with_it(specs):
     air.lie(boasts)
     air.run(12.0)
     assert not air.found()
+
+
+def test_claims_are_judged_anew_after_a_vote_to_split(specs):
+    """While it stood claims did not matter, and what was sent or held back then tells nothing of them."""
+    air, strict = Air(specs), Core(CoreSettings("a", TAGS["a"], coordination="split"), specs, 0.0)
+    air.run(8.0)
+    air.lie(boasts)
+    core, always, voted = air.cores["a"], Hollow(), Hollow()
+    votes = iter([False, False, True])
+    while not always.found(air.now):
+        air.run(air.now + 1.0)
+        team = (strict if next(votes, False) else core).coordination.team
+        always.keeps(air.now, core.view, core.budget.limits, core.coordination.team)
+        voted.keeps(air.now, core.view, core.budget.limits, team)
+        assert air.now < 40.0
+    assert next(votes, None) is None
+    assert not voted.found(air.now)
 
 
 def test_what_was_sent_long_ago_hides_no_claim(specs):
