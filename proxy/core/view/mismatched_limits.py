@@ -1,7 +1,7 @@
 """Robots that have other limits, or say nothing that is understood: no team waits for them, and operators are told."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from proxy.core.model.limits import fingerprint
 from proxy.core.protocol.envelope import READABLE, VERSION
@@ -66,9 +66,12 @@ class MismatchedLimits:
         return self.found != before
 
     def warnings(self, among: Iterable[str] | None = None) -> list[str]:
-        """Name them all, or those `among` these."""
-        found = self.worth_a_warning if among is None else self.found.intersection(among)
-        return [self._warning(peer) for name, peer in self._peers.items() if name in found]
+        """Name them all, or those `among` these: in one line where the same is wrong with several."""
+        found, alike = self.worth_a_warning if among is None else self.found.intersection(among), dict[str, list[str]]()
+        for name, peer in self._peers.items():
+            if name in found:
+                alike.setdefault(self._fault(peer), []).append(peer.robot)
+        return [f"robot {first} {fault}{_so_with(others)}" for fault, (first, *others) in alike.items()]
 
     def _reconsider(self, name: str) -> None:
         """A robot that takes no part said something: its first word lets it take part."""
@@ -91,25 +94,35 @@ class MismatchedLimits:
         """Whether a robot was met longer ago than this time, and what so many robots take besides [s]."""
         return now - peer.since > time + TUNING.agreement_per_robot * len(self._peers)
 
-    def _warning(self, peer: Peer) -> str:
+    def _fault(self, peer: Peer) -> str:
         if not peer.plain:
             there, here = (_named(each) for each in (peer.specs, self._table.specs.generation))
             return (
-                f"robot {peer.robot} has other limits (specs {there}, here {here}): nothing keeps what it sends "
-                "and what others send within either; give all robots the same constraints"
+                f"has other limits (specs {there}, here {here}): nothing keeps what it sends and what others send "
+                "within either; give all robots the same constraints"
             )
         if _foreign(peer):
             return (
-                f"robot {peer.robot} runs another version of Sendworthy: daemons there speak version {peer.wire} of "
-                f"what they tell each other, here {VERSION}; {_APART}; install one version on all robots"
+                f"runs another version of Sendworthy: daemons there speak version {peer.wire} of what they tell each "
+                f"other, here {VERSION}; {_APART}; install one version on all robots"
             )
         return (
-            f"robot {peer.robot} is on the mesh, but nothing is heard of it that a daemon would say; {_APART}; look "
-            "at its log and at what may keep its messages from crossing"
+            f"is on the mesh, but nothing is heard of it that a daemon would say; {_APART}; look at its log and at "
+            "what may keep its messages from crossing"
         )
 
 
 _APART = "it takes no part, and nothing keeps what it sends and what others send within the limits"
+_NAMED = 8
+"""So many robots beside the first are named."""
+
+
+def _so_with(others: Sequence[str]) -> str:
+    """Say of whom the same is true: a robot without specs had a line for each other one."""
+    if not others:
+        return ""
+    more = f" and {len(others) - _NAMED} more" if len(others) > _NAMED else ""
+    return f" (the same with {', '.join(others[:_NAMED])}{more})"
 
 
 def _named(generation: str) -> str:

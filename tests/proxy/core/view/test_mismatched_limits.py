@@ -71,6 +71,24 @@ def test_who_has_other_limits_for_long_is_left_out_and_named(talk):
     assert apart(talk) == set()
 
 
+def test_several_with_the_same_limits_are_named_in_one_line(talk):
+    """As all others are where the odd one out is this robot; of very many some are named."""
+    for number in range(2, 13):
+        name, zid = f"r{number}", f"yy{number:06}"
+        talk.tell(ev.PeerAppeared(0.0, name, zid))
+        talk.tell(ev.DigestHeard(0.1, Digest(name, zid, 0.1, state=1)))
+        state = State(name, zid, "enforce", "otherspecs" if number < 12 else "third", (), number=1, limits=ALIEN)
+        talk.tell(ev.StateHeard(0.2, state))
+    talk.tell(ev.TimePassed(1.5))
+    now = 3.0 + TUNING.agreement_time
+    talk.tell(ev.TimePassed(now))
+    several, one = warnings(talk, now)
+    assert several.startswith("robot r2 has other limits (specs otherspecs, here ")
+    assert several.endswith("(the same with r3, r4, r5, r6, r7, r8, r9, r10 and 1 more)")
+    assert one.startswith("robot r12 has other limits (specs third, here ")
+    assert [notice.text for notice in talk.all(Notice) if notice.level == "error"] == [several, one]
+
+
 def test_who_was_gone_for_a_moment_was_not_silent(talk):
     """Nobody has heard it since it is back, and nobody had to by then."""
     talk.tell(ev.TimePassed(1.0))
