@@ -156,7 +156,9 @@ class Core:
         return self._report(now) | {"types": types(self.parts)}
 
     def _report(self, now: float) -> dict[str, Any]:
-        return report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        found = report(self.parts, self.news.refused, self._retention.retained, now, uptime=now - self.started)
+        misread = self.news.misread_at
+        return found | {"other_version_age": None if misread is None else now - misread}
 
     @property
     def asked(self) -> Decide | None:

@@ -41,6 +41,7 @@ class Status(Part):
     warnings: list[str] = field("what needs attention, in words")
     malformed: int = field("messages on Sendworthy's keys that could not be read or believed", COUNT)
     other_version: int = field("messages of versions of Sendworthy that were not understood", COUNT)
+    other_version_age: float | None = field("how long ago the last of them came", SECONDS, default=None)
     refused: dict[str, int] = field("messages on Sendworthy's keys that changed nothing, by kind", COUNT)
     evicted: int = field("streams and robots that were forgotten, as there are too many", COUNT)
     untold: int = field("streams, subscriptions and origins that are too many to tell the others", COUNT)

@@ -2,6 +2,8 @@
 
 from proxy.quantities import Status
 
+RECENT = 60.0
+"""So long robots of another version are silent that have been upgraded, and nobody has to do anything [s]."""
 _NOT_MALFORMED = (":other version", ":flood", ":unknown", ":unproved")
 
 
@@ -33,7 +35,7 @@ def _messages(status: Status) -> list[str]:
         found.append(
             f"{status['malformed']} malformed messages on Sendworthy's keys were ignored" + f" ({kinds})" * bool(kinds)
         )
-    if status.get("other_version"):
+    if status.get("other_version") and (status.get("other_version_age") or 0.0) < RECENT:
         found.append(f"{status['other_version']} messages of another version of Sendworthy were not understood")
     if unproved := status.get("refused", {}).get("order:unproved"):
         found.append(f"{unproved} orders were refused: who gave them did not prove to know fleet.token")

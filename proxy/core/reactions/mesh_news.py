@@ -7,6 +7,7 @@ from proxy.core.interface.commands import Command, NoteInterest, Notice
 from proxy.core.parts import Parts
 from proxy.core.protocol.messages import Digest, StreamDigest, tag
 from proxy.core.reactions.retention import Retention
+from proxy.core.status import OTHER_VERSION
 from proxy.core.view.peer import Peer
 from proxy.core.view.plausible import objection, objection_to_state
 from proxy.core.view.stream import Stream
@@ -21,6 +22,8 @@ class MeshNews:
         self._parts = parts
         self._retention = retention
         self.refused: Counter[str] = Counter()
+        self.misread_at: float | None = None
+        """When a message of another version was heard last [s]."""
 
     def hear(self, now: float, digest: Digest, size: int) -> list[Command]:
         """Take in a digest of so many bytes, if it is one that its robot can have sent."""
@@ -80,6 +83,8 @@ class MeshNews:
     def malformed(self, event: ev.MalformedHeard) -> None:
         """Something on a key of ours was no digest and no state."""
         self.refused[event.kind] += event.count
+        if event.kind.endswith(OTHER_VERSION):
+            self.misread_at = event.now
 
     def version(self, event: ev.VersionHeard) -> None:
         """A robot speaks this version of the protocol."""

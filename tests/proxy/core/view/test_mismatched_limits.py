@@ -237,6 +237,7 @@ def test_status_tells_versions_and_other_versions_from_what_is_malformed(make_ta
     assert (status["version"], status["wire_version"]) == ("1.2.3", VERSION)
     assert [(peer["version"], peer["wire_version"]) for peer in status["peers"]] == [("1.3.0", VERSION + 1)]
     assert (status["malformed"], status["other_version"]) == (1, 1)
+    assert status["other_version_age"] == pytest.approx(0.1)
     assert talk.core.gossip.states.state.version == "1.2.3"
 
 
