@@ -255,7 +255,7 @@ def test_a_long_key_stands_across_its_picture(browser, fleet):
 
 
 def test_of_a_robot_that_went_away_nothing_is_told_as_now(browser, tmp_path):
-    """Its last picture stays, and its age; but nobody knows whether it still sees red."""
+    """Its last picture stays for ten minutes, and its age; but nobody knows whether it still sees red."""
     with ExitStack() as closing:
         fleet = Fleet(tmp_path, closing, robots=1, limit=LIMIT)
         page = Served("--connect", fleet.ground.endpoint)
@@ -270,3 +270,6 @@ def test_of_a_robot_that_went_away_nothing_is_told_as_now(browser, tmp_path):
         says(browser, f"{tile} .rate", "0.0/s")
         assert not browser.run(f"document.querySelector('{tile} canvas').ariaLabel").endswith("red now")
         assert browser.run(f"document.querySelector('{tile} .red').hidden")
+        browser.run("performance.now = () => 700_000 + Performance.prototype.now.call(performance)")
+        browser.wait(f"document.querySelector('{tile}') === null", "that the picture goes")
+        assert not browser.run("document.getElementById('no-cameras').hidden")

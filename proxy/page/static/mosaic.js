@@ -3,6 +3,7 @@
 import { element, rate, say, seconds } from "./words.js";
 
 const OLD = 3; // [s] a picture that is older says so
+const GONE = 600; // [s] so long the last picture stays of a robot that went away, for who looks for it
 const mosaic = document.getElementById("mosaic");
 const tiles = new Map();
 
@@ -36,9 +37,11 @@ export function know(streams) {
   const told = new Map(streams.map((stream) => [stream.key, stream]));
   for (const [key, tile] of tiles) {
     const stream = told.get(key); // none of a robot that went away: what it shows is not known now
+    const silent = (performance.now() - tile.since) / 1000;
+    if (!stream && silent > GONE) remove(key, tile);
     if (stream) say(tile.name, stream.robot);
     if (stream) tile.rate = stream.rate;
-    else if (performance.now() - tile.since > 1000 * OLD) tile.rate = 0;
+    else if (silent > OLD) tile.rate = 0;
     tile.figure.classList.toggle("marked", Boolean(stream?.marked));
     tile.red.hidden = !stream?.marked;
   }
@@ -56,6 +59,12 @@ function tick() {
   }
 }
 setInterval(tick, 250);
+
+function remove(key, tile) {
+  tile.figure.remove();
+  tiles.delete(key);
+  document.getElementById("no-cameras").hidden = tiles.size > 0;
+}
 
 function made(key) {
   document.getElementById("no-cameras").hidden = true;
