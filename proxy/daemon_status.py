@@ -80,7 +80,7 @@ class DaemonStatus:
 
     def _warnings(self) -> list[str]:
         peers = self.loop.core.view.peers.values()
-        others = {origin: peer.robot for peer in peers for origin in peer.origins if origin != peer.zid}
+        others = {origin: peer.robot for peer in peers for origin in peer.state.origins if origin != peer.zid}
         return [
             *self.neighbours.warnings(),
             *around(self.sides.app, self.sides.mesh, others),
@@ -100,4 +100,4 @@ class DaemonStatus:
         data, view = self.sides.data, self.loop.core.view
         if not isinstance(data, Broadcast):
             return []
-        return data.unheard(sum(peer.transport == view.settings.transport for peer in view.peers.values()))
+        return data.unheard(sum(peer.state.transport == view.settings.transport for peer in view.peers.values()))

@@ -45,10 +45,11 @@ class StateRequests:
 
     def compare(self, now: float, tag: str, peer: Peer) -> None:
         """Ask a robot for its state if its last digest names another one; an older one only if it has just come."""
-        if peer.state is None:
+        if not peer.announced:
             self.want(now, tag)
         elif peer.digest is not None and (
-            peer.digest.state > peer.number or (peer.digest_received == now and 0 < peer.digest.state < peer.number)
+            peer.digest.state > peer.state.number
+            or (peer.digest_received == now and 0 < peer.digest.state < peer.state.number)
         ):
             self.want(now + TUNING.update_delay, tag)
         else:

@@ -63,16 +63,18 @@ class Membership:
         """The token of a robot that we know appears: it had vanished, too shortly for us to hear of it."""
         name = tag(event.zid)
         peer = self._parts.view.peers.get(name)
-        if peer is not None and _is(peer, event) and peer.state is not None:
+        if peer is not None and _is(peer, event) and peer.announced:
             self._parts.kept.lost(event.now, self._leaving(peer))
             self._parts.kept.appeared(peer.name, name)
-            self._parts.kept.subscribed(name, peer.subscriptions)
+            self._parts.kept.subscribed(name, peer.state.subscriptions)
 
     def _leaving(self, peer: Peer) -> Leaving:
         name = tag(peer.zid)
         once = [s for s in self._parts.view.streams.own() if s.information_type.aggregation is Aggregation.ONCE]
         reached = frozenset(stream.key for stream in once if name in stream.reached)
-        return Leaving(peer.name, name, peer.subscriptions, reached, peer.specs == self._parts.view.specs.generation)
+        return Leaving(
+            peer.name, name, peer.state.subscriptions, reached, peer.state.specs == self._parts.view.specs.generation
+        )
 
     def _forget(self, name: str) -> None:
         """The robot with this tag is not in the view any more."""

@@ -64,17 +64,20 @@ class MeshNews:
             return []
         self._parts.gossip.account.heard_state(event.now, event.state, event.size)
         self._parts.coordination.heard(event.now, event.state)
-        warned, subscriptions = transport_warnings(self._parts.settings, self._parts.view.peers), peer.subscriptions
+        warned, subscriptions = (
+            transport_warnings(self._parts.settings, self._parts.view.peers),
+            peer.state.subscriptions,
+        )
         if self._parts.view.heard_state(event.now, event.state):
             self._parts.mismatched.heard_state(name)
             self._parts.gossip.requests.compare(event.now, name, peer)
         else:
             self._parts.gossip.requests.want(event.now, name)
         commands: list[Command] = []
-        if peer.subscriptions != subscriptions:
-            commands.append(NoteInterest(peer.zid, peer.subscriptions))
-        if peer.state is not None:
-            self._parts.kept.subscribed(name, peer.subscriptions)
+        if peer.state.subscriptions != subscriptions:
+            commands.append(NoteInterest(peer.zid, peer.state.subscriptions))
+        if peer.announced:
+            self._parts.kept.subscribed(name, peer.state.subscriptions)
             commands += self._retention.renew()
         after = transport_warnings(self._parts.settings, self._parts.view.peers)
         commands += [Notice("error", warning) for warning in after if warning not in warned]

@@ -22,7 +22,7 @@ class Retention:
             return []
         kinds = [each for each in self._parts.view.specs.types if each.planned and not each.markovian]
         wanted = self._parts.kept.subscriptions().union(
-            *(peer.subscriptions for peer in self._parts.view.peers.values())
+            *(peer.state.subscriptions for peer in self._parts.view.peers.values())
         )
         passes = self._parts.gate.appraisal.mode is Mode.PASS
         keys = set[str]() if passes else {key for each in kinds for key in each.keys}

@@ -29,7 +29,7 @@ class Members:
     def evict(self) -> Peer | None:
         """There is no room for a new robot; return who has to leave as it said nothing yet, if anybody."""
         self.evicted += 1
-        return next((p for p in self._peers.values() if p.state is None and p.digest is None), None)
+        return next((p for p in self._peers.values() if not p.announced and p.digest is None), None)
 
     def add(self, now: float, robot: str, zid: str, *, plain: bool) -> None:
         """A robot came. Of robots of one name the later ones get another one here, with a part of their ids."""

@@ -53,7 +53,9 @@ class MismatchedLimits:
         self._look_at, peers = now + TUNING.mismatch_check, self._peers
         self._heard &= peers.keys()
         alike = (0, fingerprint(self._table.specs))  # who says nothing of its limits may have the same
-        self._since = {name: self._since.get(name, now) for name, peer in peers.items() if peer.limits not in alike}
+        self._since = {
+            name: self._since.get(name, now) for name, peer in peers.items() if peer.state.limits not in alike
+        }
         for name, peer in peers.items():
             peer.take_part(plain=self._not_understood(now, name, peer))
         apart = {name for name, since in self._since.items() if now - since > TUNING.agreement_time}
@@ -83,7 +85,7 @@ class MismatchedLimits:
     def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
         if name in self._heard and peer.digest is not None:  # else it left meanwhile, and is back
             return now - peer.digest_received > TUNING.understood_for
-        if peer.state is not None:
+        if peer.announced:
             return now - peer.since > TUNING.understood_for
         if _foreign(peer) or (peer.silent and peer.plain):
             return True
@@ -96,7 +98,7 @@ class MismatchedLimits:
 
     def _fault(self, peer: Peer) -> str:
         if not peer.plain:
-            there, here = (_named(each) for each in (peer.specs, self._table.specs.generation))
+            there, here = (_named(each) for each in (peer.state.specs, self._table.specs.generation))
             return (
                 f"has other limits (specs {there}, here {here}): nothing keeps what it sends and what others send "
                 "within either; give all robots the same constraints"

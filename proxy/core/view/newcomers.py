@@ -62,7 +62,7 @@ class Newcomers:
             return -math.inf
         waited_for = now >= self._doubted_at + TUNING.doubt_time
         new = (p for p in self._peers.values() if p.last_heard is None and (not p.plain or (waited_for and p.silent)))
-        return max((peer.since + time for peer in new if peer.state is None or peer.told), default=-math.inf)
+        return max((peer.since + time for peer in new if not peer.announced or peer.told), default=-math.inf)
 
     def only_listens(self, peer: Peer) -> bool:
         """Whether a robot has sent nothing though we have sent for a while: an operator only listens.

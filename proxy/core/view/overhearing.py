@@ -52,7 +52,7 @@ class Origins:
 
     def part(self, now: float, peer: Peer) -> None:
         """A robot left; samples of its that are on their way are nobody else's."""
-        for origin in (peer.zid, *peer.origins):
+        for origin in (peer.zid, *peer.state.origins):
             self._parted.pop(origin, None)
             self._parted[origin] = now
         while len(self._parted) > PROTOCOL.origins:
@@ -66,7 +66,7 @@ class Origins:
         """Give each origin to the robot that claimed it first, or whose own id it is; streams of plain nodes follow."""
         peers = self._members.peers
         ids = {peer.zid: peer.robot for peer in peers.values()}
-        claimed = {origin: peer.robot for peer in reversed(list(peers.values())) for origin in peer.origins}
+        claimed = {origin: peer.robot for peer in reversed(list(peers.values())) for origin in peer.state.origins}
         self._robots = claimed | ids
         self._streams.revise()
         for stream in self._streams.plain():

@@ -70,6 +70,9 @@ class HeardDigest(NamedTuple):
         return self.received - self.sent
 
 
+_NOTHING = State("", "", "", "", transport="")
+
+
 @dataclass(slots=True)
 class Peer:
     """Another robot that runs Sendworthy."""
@@ -80,20 +83,11 @@ class Peer:
     since: float
     name: str = ""
     """Its name as it says, which another robot may have too."""
-    state: State | None = None
-    """The state in force, whole."""
+    state: State = _NOTHING
+    """The state in force, whole; as long as none has come one that says nothing."""
     keys: dict[int, str] = field(default_factory=dict)
     told: dict[str, StreamState] = field(default_factory=dict)
     """What its state says of its streams, by key."""
-    subscriptions: tuple[str, ...] = ()
-    origins: tuple[str, ...] = ()
-    mode: str = ""
-    specs: str = ""
-    transport: str = ""
-    version: str = ""
-    """Which Sendworthy it runs, as it says."""
-    limits: int = 0
-    """Tells what limits its specs set; 0: nobody knows."""
     clock_error: float = 0.0
     """What its wall clock is wrong by at most [s]; 0.0: nobody knows."""
     wire: int = 0
@@ -132,12 +126,12 @@ class Peer:
     @property
     def silent(self) -> bool:
         """Whether nothing but its token is known of it."""
-        return self.state is None and self.last_heard is None
+        return not self.announced and self.last_heard is None
 
     @property
-    def number(self) -> int:
-        """Number of the state in force; 0 when there is none."""
-        return 0 if self.state is None else self.state.number
+    def announced(self) -> bool:
+        """Whether it has told its state."""
+        return bool(self.state.zid)
 
     @property
     def is_namesake(self) -> bool:
@@ -190,7 +184,7 @@ class Peer:
         """Return the whole state that an update makes of the one in force; None when it is for another one."""
         if not state.since:
             return state
-        if self.state is None or self.state.number != state.since:
+        if not self.announced or self.state.number != state.since:
             return None
         streams = {stream.id: stream for stream in self.state.streams} | {stream.id: stream for stream in state.streams}
         if len(streams) > PROTOCOL.streams:
@@ -201,12 +195,8 @@ class Peer:
         """The peer's state replaces what it said before."""
         self.keys = {stream.id: stream.key for stream in state.streams}
         self.told = {stream.key: stream for stream in state.streams}
-        self.subscriptions, self.origins = state.subscriptions, state.origins
-        if (self.mode, self.specs) != (state.mode, state.specs):
+        if (self.state.mode, self.state.specs) != (state.mode, state.specs):
             self.restart_losses()
-        self.mode, self.specs = state.mode, state.specs
-        self.transport = state.transport
-        self.version, self.limits = state.version, state.limits
         self._take_clock(now, state)
         self.state = state
 
@@ -214,7 +204,7 @@ class Peer:
         """What a state tells of the wall clock; of two of one number that differ one is forged: then nobody knows."""
         before = self.inbound.wall_offset
         stepped = before is not None and abs(before - state.wall_offset) > TRANSIT.wall_clock_set
-        contested = 0 < state.number == self.number and (stepped or state.clock_error != self.clock_error)
+        contested = 0 < state.number == self.state.number and (stepped or state.clock_error != self.clock_error)
         self.clock_error = 0.0 if contested else state.clock_error
         if stepped:
             self.offset.unshown()

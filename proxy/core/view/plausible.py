@@ -60,7 +60,7 @@ def objection_to_state(peer: Peer, state: State) -> str:
     if state.robot != peer.name or state.zid != peer.zid:
         return "state:forged"
     named = peer.digest is not None and state.number == peer.digest.state
-    return "state:old" if 0 < state.number < peer.number and not named else ""
+    return "state:old" if 0 < state.number < peer.state.number and not named else ""
 
 
 def _leaps(now: float, news: StreamDigest, stream: Stream | None) -> bool:

@@ -119,7 +119,7 @@ class Subscribers:
 
     def note_transports(self) -> None:
         """Look who broadcasts: a robot told by what transport its samples travel, or left."""
-        transports = {peer.robot: peer.transport for peer in self._members.peers.values()}
+        transports = {peer.robot: peer.state.transport for peer in self._members.peers.values()}
         transports[self._settings.robot] = self._settings.transport
         broadcasting = {robot for robot, transport in transports.items() if is_broadcast(transport)}
         if broadcasting != self._broadcasting:

@@ -95,16 +95,16 @@ class SharedView:
         peer = self.peers.get(digest.tag)
         if peer is None or (peer.digest is not None and digest.sent <= peer.digest.sent):
             return False
-        if peer.specs != self.specs.generation:
+        if peer.state.specs != self.specs.generation:
             peer.restart_losses()  # it may not count what we count
         peer.heard_digest(now, digest)
         self.staleness.heard(now, peer, digest)
-        if digest.state == peer.number:
+        if digest.state == peer.state.number:
             self.clocks.bound(now, peer)
         for echo in digest.echoes:
             if echo.received <= digest.sent:  # nobody has heard what is yet to come
                 self.echoes.heard(now, peer, echo)
-        if not is_broadcast(peer.transport):
+        if not is_broadcast(peer.state.transport):
             peer.inbound.heard_digest(now, digest.sent, TUNING.usual_digest)
         self._news.take(now, peer, digest.streams)
         return True
@@ -115,14 +115,14 @@ class SharedView:
         whole = None if peer is None else peer.whole(state)
         if peer is None or whole is None:
             return False
-        subscriptions, origins = peer.subscriptions, peer.origins
+        subscriptions, origins = peer.state.subscriptions, peer.state.origins
         self.members.announced(peer.tag)
         peer.take_state(now, whole)
         self.clocks.bound(now, peer)
         self.subscribers.note_transports()
-        if peer.subscriptions != subscriptions:
-            self.subscribers.set(peer.tag, peer.subscriptions)
-        if peer.origins != origins:
+        if peer.state.subscriptions != subscriptions:
+            self.subscribers.set(peer.tag, peer.state.subscriptions)
+        if peer.state.origins != origins:
             self.origins.assign()
         self._news.take_state(now, peer)
         return True

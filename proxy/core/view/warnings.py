@@ -13,10 +13,10 @@ def transport_warnings(settings: CoreSettings, peers: Mapping[str, Peer]) -> lis
     """Name every robot whose samples travel in another way than ours; it may not have said yet."""
     ours = settings.transport
     return [
-        f"robot {peer.robot} has mesh.transport {peer.transport}, this one {ours}: "
+        f"robot {peer.robot} has mesh.transport {peer.state.transport}, this one {ours}: "
         "what one of them broadcasts does not reach the other"
         for peer in peers.values()
-        if peer.transport and peer.transport != ours
+        if peer.state.transport and peer.state.transport != ours
     ]
 
 
@@ -26,12 +26,12 @@ def mode_warnings(mode: Mode, peers: Mapping[str, Peer], limits: Iterable[Limit]
         return []
     if mode is Mode.ENFORCE:
         return [
-            f"robot {peer.robot} is in mode {peer.mode}: it sends everything, and this robot gives way to it; "
+            f"robot {peer.robot} is in mode {peer.state.mode}: it sends everything, and this robot gives way to it; "
             "put all in one mode"
             for peer in peers.values()
-            if peer.mode in (Mode.SHADOW.value, Mode.PASS.value)
+            if peer.state.mode in (Mode.SHADOW.value, Mode.PASS.value)
         ]
-    enforcing = sorted(peer.robot for peer in peers.values() if peer.mode == Mode.ENFORCE.value)
+    enforcing = sorted(peer.robot for peer in peers.values() if peer.state.mode == Mode.ENFORCE.value)
     if not enforcing:
         return []
     who, give = ", ".join(enforcing), "give" if len(enforcing) > 1 else "gives"

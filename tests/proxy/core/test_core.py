@@ -601,9 +601,9 @@ def test_a_lost_state_is_asked_for(make_talk):
     assert len(talk.all(AskState)) == asked + 1
     update = State("op", "zz-op", "", "", (StreamState(1, "b", "x", 1.0),), number=5, since=4)
     talk.tell(ev.StateHeard(1.6, update))
-    assert talk.core.view.peers["zz-op"].number == 3
+    assert talk.core.view.peers["zz-op"].state.number == 3
     talk.tell(ev.StateHeard(1.7, State("op", "zz-op", "enforce", "", (), ("b/*",), number=5)))
-    assert talk.core.view.peers["zz-op"].subscriptions == ("b/*",)
+    assert talk.core.view.peers["zz-op"].state.subscriptions == ("b/*",)
     talk.tell(ev.TimePassed(60.0))
     assert len(talk.all(AskState)) == asked + 1
 
@@ -615,11 +615,11 @@ def test_an_old_state_changes_nothing_unless_digests_speak_of_it(make_talk):
     state = State("op", "zz-op", "enforce", "", (), ("a/*",), number=7)
     talk.tell(ev.StateHeard(1.0, state))
     talk.tell(ev.StateHeard(1.1, State("op", "zz-op", "enforce", "", (), ("b/*",), number=6)))
-    assert talk.core.view.peers["zz-op"].subscriptions == ("a/*",)
+    assert talk.core.view.peers["zz-op"].state.subscriptions == ("a/*",)
     assert talk.core.status(1.1)["refused"] == {"state:old": 1}
     told_by(talk, 1.2, number=6)
     talk.tell(ev.StateHeard(1.3, State("op", "zz-op", "enforce", "", (), ("b/*",), number=6)))
-    assert talk.core.view.peers["zz-op"].subscriptions == ("b/*",)
+    assert talk.core.view.peers["zz-op"].state.subscriptions == ("b/*",)
 
 
 def test_a_false_state_gives_way_to_the_one_that_digests_speak_of(make_talk):
@@ -637,7 +637,7 @@ def test_a_false_state_gives_way_to_the_one_that_digests_speak_of(make_talk):
     talk.tell(ev.TimePassed(10.0))
     assert len(talk.all(AskState)) == asked + 1
     talk.tell(ev.StateHeard(10.1, true))
-    assert talk.core.view.peers["zz-op"].subscriptions == true.subscriptions
+    assert talk.core.view.peers["zz-op"].state.subscriptions == true.subscriptions
     talk.tell(ev.TimePassed(60.0))
     assert len(talk.all(AskState)) == asked + 1
 

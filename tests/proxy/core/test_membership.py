@@ -49,7 +49,9 @@ def assert_agreed(mesh, group):
     assert set(view["wanted"].values()) == {tuple(sorted(map(tag, group)))}
     for zid in group:
         core = mesh.cores[zid]
-        assert all(peer.number == mesh.cores[peer.zid].gossip.states.state.number for peer in core.view.peers.values())
+        assert all(
+            peer.state.number == mesh.cores[peer.zid].gossip.states.state.number for peer in core.view.peers.values()
+        )
 
 
 def test_a_robot_comes_and_goes_with_its_own_token_alone(make_specs):
@@ -80,7 +82,7 @@ def test_newcomers_are_in_everybodys_plan_within_one_state(make_specs):
     mesh.run(3 * STEP)
     for zid in old:
         peer = mesh.cores[zid].view.peers[tag(new)]
-        assert (peer.subscriptions, list(peer.keys.values())) == (("robot/*/camera",), [key_of(new)])
+        assert (peer.state.subscriptions, list(peer.keys.values())) == (("robot/*/camera",), [key_of(new)])
         assert tag(new) in mesh.cores[zid].view.subscribers.of(next(mesh.cores[zid].view.streams.own()))
     mesh.run(4.0)
     assert_agreed(mesh, list(NAMES))

@@ -143,7 +143,7 @@ def queries(core, now):
         lambda: (view.traffic.sent_since(now - 1.0), [view.subscribers.overhears(s.robot) for s in view.streams]),
     )
     for peer in list(view.peers.values()):
-        yield "peer", lambda p=peer: (p.number, p.inbound.latency, p.inbound.line, p.inbound.losses.share)
+        yield "peer", lambda p=peer: (p.state.number, p.inbound.latency, p.inbound.line, p.inbound.losses.share)
         yield "peer, outbound", lambda p=peer: (p.outbound.line, p.outbound.losses.share)
         yield "called", lambda p=peer: (view.members.called(p.robot), p.offset.known and p.offset.uncertainty(now))
     for stream in list(view.streams):

@@ -39,7 +39,7 @@ def test_all_know_each_other_and_what_they_want(fly):
     flying = fly(0.5)
     for robot, core in flying.cores.items():
         assert known(flying, robot) == sorted(set(flying.cores) - {robot})
-        assert {peer.robot for peer in core.view.peers.values() if peer.subscriptions} <= {"op"}
+        assert {peer.robot for peer in core.view.peers.values() if peer.state.subscriptions} <= {"op"}
 
 
 def test_what_robots_ask_each_other_goes_on_the_air(fly):

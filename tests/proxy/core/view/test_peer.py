@@ -17,7 +17,7 @@ def test_an_update_changes_only_the_streams_it_names(view):
     update = State("r2", "z-r2", "", "", (StreamState(9, "robot/r2b/camera", "camera", 0.25),), number=5, since=4)
     assert view.heard_state(1.0, update)
     peer = view.peers["z-r2"]
-    assert (peer.number, peer.keys[7], peer.keys[9], peer.subscriptions) == (
+    assert (peer.state.number, peer.keys[7], peer.keys[9], peer.state.subscriptions) == (
         5,
         CAMERA,
         "robot/r2b/camera",
@@ -26,7 +26,7 @@ def test_an_update_changes_only_the_streams_it_names(view):
     assert not view.heard_state(1.0, State("r2", "z-r2", "", "", (), number=9, since=8))
     crowd = tuple(StreamState(100 + n, f"k{n}", "camera", 0.5) for n in range(4096))
     assert not view.heard_state(1.0, State("r2", "z-r2", "", "", crowd, number=6, since=5))
-    assert peer.number == 5
+    assert peer.state.number == 5
 
 
 def test_of_two_states_of_one_number_that_differ_one_is_forged():
