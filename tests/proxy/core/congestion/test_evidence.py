@@ -1,11 +1,14 @@
 """What a robot sees of the channel by digests."""
 
 import math
+import random
 
 import pytest
 
 from planner import Throughput
-from proxy.core.congestion.evidence import Evidence, Liveness
+from planner.airtime import Airtime
+from proxy.core.congestion.evidence import DeliveryRatio, Evidence, Liveness, Load
+from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest, Echo
 
@@ -158,3 +161,79 @@ def test_nobody_who_came_late_was_silent():
     liveness.digest_sent(100.0)
     liveness.restart(100.0)
     assert not liveness.silent(101.0)
+
+
+def flown(parts, *, every=0.5, rate=50, seed=0):
+    """What was lost after each report of a flight in which such parts arrive."""
+    delivery, dice = DeliveryRatio(), random.Random(seed)
+    sent = arrived = 0
+    losses = []
+    for i, part in enumerate(parts):
+        sent += rate
+        arrived += sum(dice.random() < part for _ in range(rate))
+        delivery.note(i * every, sent, "op", arrived)
+        losses.append(delivery.excess_loss(i * every))
+    return delivery, losses
+
+
+@pytest.mark.parametrize("part", [1.0, 0.95, 0.7, 2.0])
+def test_a_radio_that_always_loses_is_no_full_channel(part):
+    """Nor does it matter how many of the others count what they hear."""
+    _, losses = flown([part] * 100)
+    assert max(losses) < TUNING.excess_loss
+
+
+def test_more_loss_than_usual_is_seen_within_seconds():
+    """And forgotten once it is usual, or accepted."""
+    delivery, losses = flown([0.95] * 30 + [0.4] * 10)
+    assert max(losses[:30]) < TUNING.excess_loss < losses[-1]
+    delivery.accept()
+    assert delivery.excess_loss(20.0) == 0.0
+    assert flown([0.95] * 30 + [0.4] * 100)[1][-1] < TUNING.excess_loss
+
+
+def test_who_left_or_restarted_makes_counts_incomparable():
+    """Nothing is known then, nor after silence, nor where nothing ever arrives."""
+    delivery, _ = flown([0.95] * 30 + [0.4] * 10)
+    assert delivery.excess_loss(19.5) > TUNING.excess_loss
+    assert delivery.excess_loss(60.0) == 0.0
+    delivery.note(20.0, 2050, "op", 0)
+    assert delivery.excess_loss(20.0) == 0.0
+    delivery.forget("nobody")
+    assert flown([0.0] * 20)[1][-1] == 0.0
+
+
+BYTES = Limit("bytes", 0.5, 50_000.0, Throughput(100_000.0))
+HALF = Limit("air", 0.5, 0.5, Airtime(1.0, 125_000.0))
+
+
+def test_the_part_of_a_limit_that_all_use_together():
+    """Robots' rates add up, each by its own clock; counts that are no news change nothing."""
+    load = Load()
+    for t in range(5):
+        load.note(t, "a", 1000.0 + t, 10 * t, 20_000 * t)
+        load.note(t, "b", t, 5 * t, 5_000 * t)
+    load.note(4.5, "b", 2.0, 999, 999_999)
+    assert load.parts(4.5, [BYTES])[0] == pytest.approx(0.25)
+    (air,) = load.parts(4.5, [HALF])
+    assert air == pytest.approx(10 * HALF.measure.use(2000, 1, own=False) + 5 * HALF.measure.use(1000, 1, own=False))
+
+
+def test_who_is_not_heard_or_has_left_uses_nothing():
+    """Nothing is known of them."""
+    load = Load()
+    for t in range(3):
+        load.note(t, "a", t, t, 10_000 * t)
+        load.note(t, "b", t, t, 10_000 * t)
+    load.forget("b")
+    assert load.parts(2.0, [BYTES])[0] == pytest.approx(0.1)
+    assert load.parts(9.0, [BYTES]) == (0.0,)
+
+
+def test_one_count_is_no_rate():
+    """Nor is one that restarted."""
+    load = Load()
+    load.note(0.0, "a", 0.0, 10, 100_000)
+    assert load.parts(0.0, [BYTES]) == (0.0,)
+    load.note(1.0, "a", 1.0, 0, 0)
+    assert load.parts(1.0, [BYTES]) == (0.0,)

@@ -13,7 +13,7 @@ from proxy.core.protocol.envelope import VERSION, MalformedWireError
 from proxy.core.protocol.fixed import seconds, ticks
 from proxy.core.protocol.messages import State, StreamState
 from proxy.core.protocol.split_report import SplitReport
-from proxy.core.protocol.state_codec import pack_state, unpack_state
+from proxy.core.protocol.state_codec import pack_backlog, pack_state, unpack_backlog, unpack_state
 from proxy.core.protocol.tuning import TUNING
 from tests.proxy.core.protocol.drawn import amount, count, key, name, size, time, zid
 
@@ -111,3 +111,28 @@ def test_a_state_that_is_none_is_refused(data, message):
     """Bombs are not inflated further than a state may be large."""
     with pytest.raises(MalformedWireError, match=message):
         unpack_state(data, "r1")
+
+
+KEYS = st.lists(st.text(st.characters(exclude_categories=["Cs"], exclude_characters="*"), min_size=1, max_size=5))
+"""Of no lone surrogates: keys come as UTF-8."""
+
+
+@given(count, st.none() | KEYS.map(tuple))
+def test_a_word_on_copies_that_wait_survives_the_wire(number, keys):
+    """Without names, where there are too many, too."""
+    assert unpack_backlog(pack_backlog(number, keys)) == (number, None if keys is None else frozenset(keys))
+
+
+@pytest.mark.parametrize("fields", [[1], [-1, []], [1, "a"], [1, ["a/*"]], [1, [1]], ["1", None]])
+def test_a_word_that_is_none_is_refused(fields):
+    """Keys of samples are without wildcards."""
+    with pytest.raises(MalformedWireError):
+        unpack_backlog(msgpack.packb([VERSION, *fields]))
+
+
+@given(st.binary(max_size=200), st.booleans())
+def test_noise_is_no_backlog(data, compressed):
+    """Random bytes never raise anything else, and never pass."""
+    data = zlib.compress(data) if compressed else data
+    with pytest.raises(MalformedWireError):
+        unpack_backlog(data)
