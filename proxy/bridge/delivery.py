@@ -15,7 +15,7 @@ from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.received import Received
 from proxy.bridge.rules import Rules, Verdict
-from proxy.bridge.sample import origin_of, publish, wall_of
+from proxy.bridge.sample import Held, origin_of, publish, wall_of
 from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import Event, SampleHeard
 from proxy.core.protocol.messages import tag
@@ -132,24 +132,25 @@ class Delivery:
         if verdict is Verdict.DENIED:
             self._rules.into.count("samples")  # it was on the air all the same
         else:
-            hand = partial(self._let, key, sample, renamed)
-            if copy or not ordered or not self.hold_back.takes(key, stamp, len(sample.payload), hand):
+            held = Held(sample, stamp, key, len(sample.payload), sample.source_info if self._numbered else None)
+            may_wait = ordered and not copy
+            hand = partial(self._let, held.apart if may_wait and self.hold_back.waits else held, renamed)
+            if not (may_wait and self.hold_back.takes(key, stamp, held.size, hand)):
                 hand()
         if not copy and self._covered(key) is not None:  # how long a copy took says nothing about the way
             self._offer(_heard(key, sample))
 
-    def _let(self, key: str, sample: zenoh.Sample, renamed: str | None) -> None:
+    def _let(self, held: Held, renamed: str | None) -> None:
         """Publish a sample when the apps know of what was declared before it."""
-        barrier, now = self._barrier, clock.monotonic()
+        barrier, now, key = self._barrier, clock.monotonic(), held.key
         quiet = None if barrier is None else barrier.holds(key, now, ordered=self._covered(key) is None)
         if barrier is None or quiet is None:
-            self._publish(sample, renamed)
+            self._publish(held, renamed)
         else:
-            publishes = partial(self._publish, sample, renamed)
-            barrier.hold(key, now, len(sample.payload), publishes, quiet=quiet)
+            barrier.hold(key, now, held.size, partial(self._publish, held, renamed), quiet=quiet)
 
-    def _publish(self, sample: zenoh.Sample, renamed: str | None) -> None:
-        publish(self._app, sample, sample.timestamp, renamed, source=sample.source_info if self._numbered else None)
+    def _publish(self, held: Held, renamed: str | None) -> None:
+        publish(self._app, held.sample, held.stamp, renamed, source=held.source)
         self.delivered += 1
 
 

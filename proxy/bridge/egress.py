@@ -180,8 +180,10 @@ class Egress:
         with self._lock:
             if not self._open:
                 return False
+            if len(self._passing) + len(self._decided) > TUNING.few_held:
+                held = held.apart
             if passes:
-                self._passing.append((number, held.apart if len(self._passing) > TUNING.few_held else held))
+                self._passing.append((number, held))
             else:
                 self._decided.put(number, held, self._sender.on_air(held))
             if not held.to:

@@ -70,6 +70,11 @@ class HoldBack:
         self.held = 0
         """Samples that were held back."""
 
+    @property
+    def waits(self) -> bool:
+        """Whether any sample may have to wait."""
+        return bool(self._returns or self._streams)
+
     def lost(self, tag: str) -> None:
         """A robot has vanished."""
         with self._lock:

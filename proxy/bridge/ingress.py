@@ -173,7 +173,7 @@ class Ingress:
         if number is None:
             self._passed.add(OVERFLOW, 0)
             return
-        sample = held.sample
+        sample = (self._payloads.waiting(number) or held).sample
         published = SamplePublished(
             now=now,
             sample=number,

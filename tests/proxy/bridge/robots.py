@@ -43,6 +43,7 @@ class Robot:
     ) -> None:
         self._stack = stack
         self.asked: list[SamplePublished] = []
+        self.payloads: list[zenoh.ZBytes] = []
         self.attachments: list[bytes | None] = []
         self.events: list[Event] = []
         self.app_endpoint, self.mesh_endpoint = free_endpoint(), free_endpoint()
@@ -81,12 +82,13 @@ class Robot:
         self,
         event: SamplePublished,
         _covering: InformationType,
-        _payload: zenoh.ZBytes,
+        payload: zenoh.ZBytes,
         attachment: zenoh.ZBytes | None,
         *,
         each: bool,
     ) -> int | None:
         assert each is (self._live.match(event.key) is None)  # what passes gives way to nothing
+        self.payloads.append(payload)
         self.attachments.append(None if attachment is None else attachment.to_bytes())
         self.asked.append(event)
         return None

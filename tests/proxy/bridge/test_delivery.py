@@ -7,6 +7,7 @@ from proxy.bridge import keys
 from proxy.bridge.delivery import Delivery
 from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.rules import Rules
+from proxy.bridge.sample import Parcel
 from proxy.config import BridgeConfig
 from proxy.core.interface.events import SampleHeard
 from proxy.core.protocol.messages import tag
@@ -154,6 +155,8 @@ def test_what_is_new_waits_for_the_copies_of_a_robot_that_is_back(stack):
         other.put(key, text, timestamp=stamp or other.new_timestamp(), congestion_control=block)
     wait_until(lambda: len(heard.samples) == 2, what="what does not wait")
     assert (delivery.delivered, [event.key for event in events]) == (2, ["alarm/a", "image/a"])
+    ((held,),) = waiting._streams.values()
+    assert isinstance(held.hand.args[0].sample, Parcel)  # what waits takes its own memory and no more
     delivery.close()
     wait_until(lambda: len(heard.samples) == 3, what="the rest")
     assert [sample.payload.to_string() for sample in heard.samples] == ["free", "missed", "new"]

@@ -13,7 +13,7 @@ from proxy.bridge.egress import Egress
 from proxy.bridge.keys import kept
 from proxy.bridge.passed import FULL, Passed
 from proxy.bridge.room import rooms
-from proxy.bridge.sample import Held
+from proxy.bridge.sample import Held, Parcel
 from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sessions import mesh_options, open_session
 from proxy.bridge.tuning import TUNING
@@ -410,3 +410,14 @@ def test_a_closed_egress_takes_nothing(bench):
     bench.egress.close(1.0)
     bench.forward(7, held)
     assert [event.sample for event in bench.posted] == [7]
+
+
+def test_of_many_that_wait_each_takes_its_own_memory(bench, monkeypatch):
+    """Also those that pass behind decided ones of their key, as in shadow."""
+    monkeypatch.setattr(egress_module, "TUNING", replace(TUNING, few_held=1))
+    bench.forward(0, bench.held("decided"))
+    for reason in ("first", "second"):
+        bench.egress.pass_on(reason, bench.held(reason))
+    assert bench.egress.waiting == {"decided": 3, "passing": 0}
+    waiting = [bench.egress._decided.take(float("inf")) for _ in range(3)]
+    assert [isinstance(held.sample, Parcel) for _, held in waiting] == [False, False, True]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 import zenoh
 
-from proxy.bridge import courses
+from proxy.bridge import courses, payloads
 from proxy.bridge.egress import Egress
 from proxy.bridge.passed import TOO_LARGE
 from proxy.bridge.room import Room
@@ -99,6 +99,15 @@ def test_what_is_held_can_be_looked_at(pair):
     assert (held.key, held.sample.payload.to_string()) == ("covered/a", "x")
     pair[0].bridge.payloads.drop(number)
     assert pair[0].bridge.payloads.waiting(number) is None
+
+
+@pytest.mark.usefixtures("wanted")
+def test_what_features_are_taken_of_is_what_is_held(pair, monkeypatch):
+    """Where many wait in memory of their own, that is all that waits for an extractor, too."""
+    monkeypatch.setattr(payloads, "TUNING", replace(TUNING, few_held=0))
+    pair[0].node().put("covered/a", "x")
+    wait_until(lambda: pair[0].asked, what="the sample")
+    assert pair[0].payloads[0] is pair[0].bridge.payloads.waiting(pair[0].asked[0].sample).sample.payload
 
 
 @pytest.mark.usefixtures("wanted")
