@@ -58,26 +58,29 @@ class Borne:
             part.note(at_first, min(max(0.0, now - since), LONGEST))
 
 
-def as_borne(specs: Specs, borne: Borne) -> tuple[Specs, list[str]]:
+def as_borne(specs: Specs, borne: Borne, recorded: Specs | None = None) -> tuple[Specs, list[str]]:
     """Return specs whose adaptive limits are fixed at what the channel bore in the mean, and what to say of that.
 
-    Raises ReplayError where that is not known.
+    What it bore is told in parts of the ceilings of the `recorded` specs, if they are others. Raises ReplayError where
+    it is not known.
     """
-    adaptive = [spec for spec in specs.constraints if spec.least < 1.0]
+    adaptive, before = _adaptive(specs), _adaptive(specs if recorded is None else recorded)
     if not adaptive:
         return specs, []
-    if len(borne.parts) != len(adaptive):
+    if not len(borne.parts) == len(adaptive) == len(before):
         raise ReplayError(
             f"the limit {adaptive[0].name} is adaptive, and nothing in the recording says what the channel bore of it:"
             " --limit names a throughput instead, or --specs other specs"
         )
     fixed, notes = list[ConstraintSpec](), list[str]()
-    parts = iter(borne.parts)
+    parts = zip(borne.parts, before, strict=True)
     for spec in specs.constraints:
         if spec.least < 1.0:
-            part = next(parts)
-            fixed.append(ConstraintSpec(spec.name, _scaled(spec.measure, part.mean)))
-            percent = [f"{100 * each:.0f}" for each in (part.mean, part.least, part.most)]
+            part, then = next(parts)
+            ratio = _ratio(then, spec)
+            mean, *ends = (min(1.0, ratio * each) for each in (part.mean, part.least, part.most))
+            fixed.append(ConstraintSpec(spec.name, _scaled(spec.measure, mean)))
+            percent = [f"{100 * each:.0f}" for each in (mean, *ends)]
             notes.append(
                 f"the limit {spec.name} was adaptive, and is fixed here at the {percent[0]} % of its ceiling that the"
                 f" channel bore in the mean ({percent[1]} to {percent[2]} %)"
@@ -85,6 +88,23 @@ def as_borne(specs: Specs, borne: Borne) -> tuple[Specs, list[str]]:
         else:
             fixed.append(spec)
     return replace(specs, constraints=tuple(fixed), generation=f"{specs.generation}+fixed"), notes
+
+
+def _adaptive(specs: Specs) -> list[ConstraintSpec]:
+    return [spec for spec in specs.constraints if spec.least < 1.0]
+
+
+def _ratio(recorded: ConstraintSpec, now: ConstraintSpec) -> float:
+    """Return how many times its ceiling now the recorded one of a limit was. Raises ReplayError for another kind."""
+    match recorded.measure, now.measure:
+        case Throughput() as before, Throughput() as here:
+            return before.rate / here.rate
+        case Airtime() as before, Airtime() as here:
+            return before.fraction / here.fraction
+    raise ReplayError(
+        f"the limit {now.name} is adaptive, and what the channel bore was recorded of one of {recorded.measure.kind}:"
+        " --limit names a throughput instead, or --specs other specs"
+    )
 
 
 def _scaled(measure: Measure, part: float) -> Measure:

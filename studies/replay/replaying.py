@@ -9,6 +9,7 @@ import numpy as np
 
 from proxy import exit_codes
 from proxy.extras import needs, there
+from proxy.recording.entries import SpecsText
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
 from studies.oracle import OracleError
@@ -80,7 +81,9 @@ def _prepared(
     latency = LATENCY if arguments.latency is None else arguments.latency
     specs = _specs(arguments, survey)
     if not exact:
-        specs, notes = as_borne(specs, survey.borne)
+        compared = survey.borne.parts and any(limit.least < 1.0 for limit in specs.constraints)
+        recorded = _recorded(arguments, survey.specs) if compared and survey.specs is not None else None
+        specs, notes = as_borne(specs, survey.borne, recorded)
         survey.problems += notes
     return recordings, survey, Mission(specs, robots, latency, arguments.loss or 0.0)
 
@@ -100,13 +103,18 @@ def _specs(arguments: argparse.Namespace, survey: Survey) -> Specs:
     if arguments.specs is not None:
         specs = load_set(arguments.specs).specs
     elif survey.specs is not None:
-        try:
-            specs = specs_of(survey.specs, python=arguments.python)
-        except RecordingError as error:
-            raise ReplayError(f"{error}; --specs names others") from None
+        specs = _recorded(arguments, survey.specs)
     else:
         raise ReplayError("what its samples are worth is not in the recording: name utility specs with --specs")
     return specs if arguments.limit is None else with_limit(specs, arguments.limit)
+
+
+def _recorded(arguments: argparse.Namespace, text: SpecsText) -> Specs:
+    """Return the specs that were recorded. Raises ReplayError where they cannot be read."""
+    try:
+        return specs_of(text, python=arguments.python)
+    except RecordingError as error:
+        raise ReplayError(f"{error}; --specs names others") from None
 
 
 def _fly(

@@ -41,6 +41,23 @@ def test_limits_are_fixed_at_what_the_channel_bore_in_the_mean():
     )
 
 
+@pytest.mark.parametrize(("ceiling", "rate", "percent"), [("800 kbit/s", 5_000, 5), ("20 kbit/s", 2_500, 100)])
+def test_what_the_channel_bore_is_the_same_under_other_specs(ceiling, rate, percent):
+    """Half of the ceiling that was recorded is another part of another one, and no more than all of it."""
+    other = specs_of(ADAPTIVE.replace("80 kbit/s", ceiling))
+    specs, notes = as_borne(other, borne(("r1", 0.0, [0.5])), specs_of(ADAPTIVE))
+    assert specs.constraints[0].measure.rate == pytest.approx(rate)
+    assert f"fixed here at the {percent} % of its ceiling" in notes[0]
+
+
+def test_what_the_channel_bore_of_another_limit_is_not_known():
+    """Airtime tells nothing of throughput, nor do specs that had no limit."""
+    airtime = ADAPTIVE.replace('"throughput"', '"airtime"').replace('"80 kbit/s"', '"50 %"\nrate = "6 Mbit/s"')
+    for recorded, reason in ((airtime, "of one of airtime: --limit"), (FIXED, "nothing .*--limit")):
+        with pytest.raises(ReplayError, match=reason):
+            as_borne(specs_of(ADAPTIVE), borne(("r1", 0.0, [0.5])), specs_of(recorded))
+
+
 def test_a_digest_does_not_hold_for_ever():
     """While a robot said nothing for long it may have been away."""
     assert borne(("r1", 0.0, [0.2]), ("r1", 1000.0, [0.8]), ("r1", 1010.0, [1.0])).parts[0].mean == pytest.approx(0.5)
