@@ -1,5 +1,6 @@
 """The core's part of `sendworthy status`: plain JSON data."""
 
+import math
 from collections import Counter
 from collections.abc import Collection, Mapping
 from typing import Any
@@ -160,10 +161,16 @@ def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str
         "period": stream.schedule.period,
         "jitter": stream.schedule.jitter,
         "forecast": stream.forecasts,
-        "over": stream.schedule.over(core.view.staleness.reported_until(stream.robot, now)),
+        "over": _over(stream, core.view.staleness.reported_until(stream.robot, now)),
         "latency": latency,
         "last_forwarded": now - sent.t_sent if sent else None,
     }
+
+
+def _over(stream: Stream, until: float) -> bool:
+    """Whether it seems to be over by then: its schedule knows of no samples that are overheard, and not told of."""
+    heard = stream.last.t_gen if stream.last else -math.inf
+    return stream.schedule.over(until) and until - heard >= stream.schedule.timeout
 
 
 def _live(stream: Stream, glance: Glance, now: float, count: int, latency: float | None) -> tuple[Any, ...]:
