@@ -6,6 +6,7 @@ from functools import cache
 from pathlib import Path
 
 CORE = Path(__file__).parents[3] / "proxy" / "core"
+HERE = Path(__file__).parent
 PACKAGES = (
     "model",
     "protocol",
@@ -106,3 +107,12 @@ def test_nobody_writes_the_fields_of_others():
     """An object's fields are its own: others call its methods, or take what it returns."""
     written = {source: list(foreign_writes(parsed(source))) for source in SOURCES}
     assert {source: writes for source, writes in written.items() if writes} == {}
+
+
+def test_tests_stand_where_their_modules_do():
+    """So who changes a module finds them; what concerns several packages stands above them."""
+    of_several = {"page", "recorded", "first_sends", "proposal"}  # of what is too long, or read by others, for one file
+    tests = [path for path in HERE.rglob("test_*.py") if path.parent != HERE]
+    names = {path: path.stem.removeprefix("test_") for path in tests}
+    lost = [p for p, name in names.items() if not (CORE / p.relative_to(HERE).with_name(f"{name}.py")).exists()]
+    assert {names[path] for path in lost} == of_several
