@@ -15,6 +15,7 @@ import re
 import secrets
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import zenoh
@@ -77,6 +78,8 @@ class Broadcast:
         """... and how many samples they were busy with, by now and at the last look."""
         self._panicked: zenoh.Session | None = None
         """The session whose routes are lost."""
+        self._left = ""
+        """The id of the session that another one took the place of last: until it is closed both may hear the same."""
         self._silent = False
         """Whether nobody is heard although there are others, for a while already."""
         self._refusal = ""
@@ -188,14 +191,14 @@ class Broadcast:
         self._subscribers = [self._subscribed(session, key) for key in (*INGRESS, *attended)]
 
     def _subscribed(self, session: zenoh.Session, key: str) -> Declaration:
-        handler = zenoh.handlers.Callback(self._take, indirect=False)
+        handler = zenoh.handlers.Callback(partial(self._take, str(session.zid())), indirect=False)
         prefix = pattern(secrets.randbits(2 * len(ON_AIR)))
         return session.declare_subscriber(f"{prefix}/{key}", handler, allowed_origin=zenoh.Locality.REMOTE)
 
-    def _take(self, sample: zenoh.Sample) -> None:
+    def _take(self, zid: str, sample: zenoh.Sample) -> None:
         attach()
         prefix, _, key = str(sample.key_expr).partition("/")
-        if prefix != ON_AIR:
+        if prefix != ON_AIR or zid == self._left:
             return
         thread = threading.get_ident()
         self._taking.add(thread)
@@ -247,7 +250,7 @@ class Broadcast:
         except SessionError as error:
             log.warning("%s", error)  # tried again as whoever hears nobody does
             return
-        old, self._session = self._session, session
+        old, self._session, self._left = self._session, session, str(self._session.zid())
         self._reopened += 1
         log.info("%s on %s: joined the group anew", reason, self._group)
         _close(old)

@@ -4,7 +4,7 @@ import json
 import socket
 import threading
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 from unittest.mock import Mock, call
 
 import pytest
@@ -231,6 +231,24 @@ def test_a_session_that_hears_nobody_although_there_are_others_is_opened_anew(st
     wait_until(lambda: not first.unheard(2), what="the end of the warning")
     wait_until(lambda: second.put("k", "x") or heard, what="a sample")
     assert heard[0] == ("k", "x")
+
+
+def test_while_a_session_gives_way_to_a_new_one_no_sample_comes_twice(stack, group, monkeypatch):
+    """Where it still hears something, and takes long to close."""
+    (first, heard), (second, _) = opened(stack, group), opened(stack, group)
+    wait_until(lambda: second.describe()["heard"] == first.describe()["heard"] == 1, what="each other")
+    close, numbers = broadcast_module._close, count()
+
+    def late(session):
+        wait_until(lambda: second.put("k", str(next(numbers))) or len(heard) >= 20, what="samples that both can hear")
+        close(session)
+
+    with monkeypatch.context() as closing_late:
+        closing_late.setattr(broadcast_module, "_close", late)
+        first._reopen("nobody was heard")
+    wait_until(lambda: second.put("k", "next") or ("k", "next") in heard, what="a sample that the new one hears")
+    told = [text for _, text in heard if text != "next"]
+    assert len(told) == len(set(told))
 
 
 def test_what_is_no_message_of_zenoh_deafens_a_robot_for_a_moment_only(stack, group):
