@@ -14,6 +14,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import Openings, Room
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window, shortest_window
+from proxy.core.view.traffic import WORDS
 from proxy.core.view.view import SharedView
 
 
@@ -203,7 +204,7 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        ours, theirs = tuple(self.own.since(since)), self._sent_by_others(now, since)
+        ours, theirs = tuple(self.own.since(since)), self._sent_by_others(now, since, words=False)
         return Limits(self.usable(now), ours, theirs, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
@@ -222,7 +223,7 @@ class Budget:
             return self._counted(now, k, limit.window, amount) + amount <= whole
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
         since = now - stretched if turn.began == -math.inf else turn.began
-        others = self._sent_by_others(now, since)
+        others = self._sent_by_others(now, since, words=False)
         return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
     def _counted(self, now: float, k: int, window: float, amount: float) -> float:
@@ -239,8 +240,9 @@ class Budget:
             return ours + min(others, self.whole(now, k) * (1.0 - certain))
         return ours + others
 
-    def _sent_by_others(self, now: float, since: float) -> tuple[Send, ...]:
-        sent = [] if self.alone else self._view.traffic.sent_since(since)
+    def _sent_by_others(self, now: float, since: float, *, words: bool = True) -> tuple[Send, ...]:
+        """Return what others sent since then; with the `words` that exceeded the allowance, or without."""
+        sent = [] if self.alone else [e for e in self._view.traffic.sent_since(since) if words or e[2] != WORDS]
         return uses_of(now, sent, self.limits, self.own.leave_after)
 
 

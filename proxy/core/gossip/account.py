@@ -91,7 +91,7 @@ class Account:
         """Return what something takes in so many copies [B]; what exceeds the allowance of a window is load."""
         cost = _cost(size, copies)
         if (excess := min(cost, round(self._budget.told_lately - self._allowance * self.window))) > 0:
-            self._view.traffic.note_unknown(now, excess, "")
+            self._view.traffic.note_words(now, excess)
         return cost
 
 

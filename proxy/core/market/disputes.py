@@ -202,7 +202,7 @@ class Disputes:
             row.stream.robot
             for row, _ in rows
             if not self._own(row.stream)
-            and not rate_known(row.stream.touched, row.stream, window)
+            and not rate_known(now, row.stream, window)
             and now > row.stream.touched + TUNING.untold * row.interval
         }
 

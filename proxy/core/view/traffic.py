@@ -8,6 +8,9 @@ from proxy.core.view.stream import Sent, Stream
 from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.tuning import TUNING
 
+WORDS = ""
+"""Who sends what robots tell each other beyond their allowance."""
+
 
 class TrafficLog:
     """Our own totals, copies counted, and the sends of others that limits still count."""
@@ -53,6 +56,10 @@ class TrafficLog:
         self.noted += 1
         self.sends.append(entry)
         return entry
+
+    def note_words(self, at: float, size: int) -> None:
+        """Robots told each other so much more than they may, all copies counted: no limit leaves room for that [B]."""
+        self.note_unknown(at, size, WORDS)
 
     def retract(self, entry: Entry) -> None:
         """It is known now what stream that was: it counts as a sample of that."""
