@@ -19,6 +19,7 @@ from proxy.core.view.tuning import TUNING
 from utility_specs import InformationType
 from utility_specs.forecast import FeatureForecast
 
+NORMAL = NormalDist()
 Place = tuple[str, str]
 """The robot and key of a stream."""
 
@@ -62,8 +63,7 @@ class Sizes:
 
     def smallest(self, part: float) -> int:
         """The mean size of the smallest `part` of the samples [B], if sizes are spread about the mean like a bell."""
-        normal = NormalDist()
-        below = normal.pdf(normal.inv_cdf(part)) / part * self.deviation
+        below = NORMAL.pdf(NORMAL.inv_cdf(part)) / part * self.deviation
         return round(max(self.mean - below, TUNING.smallest_size_part * self.mean))
 
 

@@ -12,6 +12,7 @@ from bisect import insort
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from operator import itemgetter
 from typing import NamedTuple
 
 from planner import Problem
@@ -79,8 +80,9 @@ class WindowBuilder:
         if current.to:
             candidates.append(self._copied(now, len(candidates), current))
         opened.append(published(current, candidates[-1] if current.to else ours[current.key], current=True))
-        opened += [expected(c, t) for c in candidates for t in c.times]
-        opened.sort(key=lambda m: (m.t_gen, m.of.place))
+        for c in candidates:
+            opened += expected(c, c.times)
+        opened.sort(key=itemgetter(0, 1))
         return Window(problem(now, self._started, Contents(candidates, opened, demanded), limits), full, candidates)
 
     def _contested(self, now: float, limits: Limits) -> Limits:
@@ -126,7 +128,7 @@ class WindowBuilder:
         forecast(now, self._view, candidates, limits, stream)
         coming = sum([len(c.times) for c in candidates])
         end = reach(now, candidates, limits, most)
-        demanded = [expected(c, t) for c in candidates if guaranteed(c.stream) for t in c.take_owed()]
+        demanded = [m for c in candidates if guaranteed(c.stream) for m in expected(c, c.take_owed())]
         for c in candidates:
             c.bound(end)
         return demanded, coming
