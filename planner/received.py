@@ -102,8 +102,9 @@ def _of_one_kind(
     kind: type[MessageUtility], utilities: Sequence[MessageUtility], which: Ints, start: Floats, end: Floats
 ) -> Floats:
     if (batched := _batched(kind)) is not None:
-        used, index = np.unique(which, return_inverse=True)
-        return batched.integrals([cast("Batched", utilities[at]) for at in used], index, start, end)
+        used = [place for place, utility in enumerate(utilities) if type(utility) is kind]
+        members = cast("list[Batched]", [utilities[place] for place in used])
+        return batched.integrals(members, np.searchsorted(used, which), start, end)
     result = np.zeros(len(which))
     for at in np.unique(which):
         chosen = which == at

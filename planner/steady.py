@@ -6,6 +6,7 @@ last unit earns (water-filling).
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,7 +23,7 @@ ROUNDING = 1e-9
 """What rounding may change of a sum, as a part of it: no choice depends on less."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Steady:
     """The streams that go on, and what each earns and uses by the interval between its sends.
 
@@ -49,20 +50,21 @@ class Steady:
         most = net.max(axis=1)
         return (net >= (most - rounding)[:, None]).argmax(axis=1), most > rounding
 
+    @cached_property
     def marginal(self) -> tuple[Floats, Floats]:
-        """Return what one more send earns on the way to each interval [utility·s], and how many more there are [1/s].
+        """What one more send earns on the way to each interval [utility·s], and how many more there are [1/s].
 
         What the shorter intervals earn counts for the longer ones, too: a stream comes to them at once.
         """
-        rate = np.concatenate((self.rate, np.zeros((len(self.rate), 1))), axis=1)
-        value = np.concatenate((self.value, np.zeros((len(self.rate), 1))), axis=1)
-        more = rate[:, :-1] - rate[:, 1:]
-        return np.maximum.accumulate((value[:, :-1] - value[:, 1:]) / more, axis=1), more
+        more, earned = self.rate.copy(), self.value.copy()
+        more[:, :-1] -= self.rate[:, 1:]
+        earned[:, :-1] -= self.value[:, 1:]
+        return np.maximum.accumulate(earned / more, axis=1), more
 
 
 def clearing_prices(steady: Steady, offered: Floats) -> Floats:
     """Return the price of each constraint at which the streams use up what is `offered` of it a second, no more."""
-    marginal, more = steady.marginal()
+    marginal, more = steady.marginal
     price = np.zeros(len(offered))
     for _ in range(SWEEPS if len(price) > 1 else 1):
         for k, amount in enumerate(offered):

@@ -23,7 +23,7 @@ def test_at_the_price_streams_use_what_is_offered_and_no_more():
     streams = steady(1.0, 2.0, 4.0)
     for offered in (0.3, 1.0, 2.0, 2.9):
         (price,) = clearing_prices(streams, np.array([offered]))
-        marginal, more = streams.marginal()
+        marginal, more = streams.marginal
         assert more[marginal > price].sum() <= offered < more[marginal >= price].sum() + 1e-9
 
 
@@ -36,7 +36,7 @@ def test_a_unit_costs_the_more_the_less_there_is():
 
 def test_what_a_stream_earns_by_one_more_send_falls_with_how_often_it_sends():
     """The marginal value is in the order of the intervals."""
-    marginal, more = steady(1.0, 3.0).marginal()
+    marginal, more = steady(1.0, 3.0).marginal
     assert (np.diff(marginal, axis=1) >= 0.0).all()
     assert more.sum(axis=1) == pytest.approx([1.0, 1.0])
 

@@ -166,16 +166,17 @@ class Budget:
         longer = MARKET.closed
         if wanted is Room.IN_TURN and not self.alone:
             longer += self._handover.longest(len(self._coordination.team.members), self.limits)
-        if all(
-            self._counted(now, k, c.window + longer, use[k]) + use[k] <= c.limit for k, c in enumerate(self.usable(now))
-        ):
+        for k, c in enumerate(usable := self.usable(now)):
+            if self._counted(now, k, c.window + longer, use[k]) + use[k] > c.limit:
+                break
+        else:
             return -math.inf
         others = self.others(now)
         if wanted is Room.IN_TURN and others:
             others = self._handover.in_turn(others, now - self._memory, self.limits)
         since = now - longest_window(self.limits) - MARKET.closed
         departures = self._openings[wanted].after(since, self.own, others, anybodys=wanted is not Room.OWN)
-        opening = departures.opens(self.usable(now), use)
+        opening = departures.opens(usable, use)
         if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):
             return opening
         return max(grows, departures.opens(self.usable(grows), use))

@@ -41,9 +41,10 @@ class Market:
         steady = _steady(rows)
         rates = np.array([c.limit / c.window for c in limits])
         prices = clearing_prices(steady, TUNING.offered * rates)
-        parts = 1.0 - TUNING.offered_deviations * _varying(rows, steady, prices, limits)
-        if np.any(prices > 0.0) and np.any(parts < TUNING.offered):
-            prices = clearing_prices(steady, np.clip(parts, TUNING.least_offered, TUNING.offered) * rates)
+        if prices.any():
+            parts = 1.0 - TUNING.offered_deviations * _varying(rows, steady, prices, limits)
+            if (parts < TUNING.offered).any():
+                prices = clearing_prices(steady, np.clip(parts, TUNING.least_offered, TUNING.offered) * rates)
         most = reserve(rows, [row.interval for row in rows], limits, TUNING.sure_deviations)
         fits, small = all(a <= c.limit for a, c in zip(most, limits, strict=True)), _small(rows, limits, horizon)
         return cls(limits, tuple(prices.tolist()), fits, small), steady
@@ -51,7 +52,7 @@ class Market:
     def weigh(self, rows: Sequence[Row], steady: Steady) -> list[Weighed]:
         """Weigh streams that earn so much."""
         cost = steady.use @ np.array(self.prices)
-        marginal, _ = steady.marginal()
+        marginal, _ = steady.marginal
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             last, first = (np.where(cost > 0.0, marginal[:, at] / cost, math.inf) for at in (0, -1))
         net = steady.value - steady.rate * cost[:, None]

@@ -86,12 +86,12 @@ def exceeds(part: float, use: Sequence[float], limits: Iterable[Limit]) -> bool:
 
 def longest_window(limits: Iterable[Constraint]) -> float:
     """Return the longest window [s]; 0.0 where there is no limit."""
-    return max((limit.window for limit in limits), default=0.0)
+    return max([limit.window for limit in limits], default=0.0)
 
 
 def shortest_window(limits: Iterable[Limit]) -> float:
     """Return the shortest window of what robots share [s]; infinite where they share nothing."""
-    return min((limit.window for limit in limits if limit.shared), default=math.inf)
+    return min([limit.window for limit in limits if limit.shared], default=math.inf)
 
 
 def _limit(spec: ConstraintSpec, allowance: float, robots: int) -> Limit:

@@ -34,6 +34,8 @@ class ClockOffset:
         """What wall clocks showed last, and how wrong that may be [s]."""
         self._presumed = 0.0
         """What the way here takes as long as no echo came [s]."""
+        self.latency = 0.0
+        """One-way time of the quickest digests [s], mean of both directions; until both were seen, what is presumed."""
         self._offset: float | None = 0.0
         """The estimate; None when it is to be worked out anew."""
         self._range = (-math.inf, math.inf)
@@ -60,7 +62,8 @@ class ClockOffset:
     def presume(self, latency: float) -> None:
         """Until the first echo the way here is taken to be so long [s]."""
         if latency != self._presumed:
-            self._presumed, self._offset = latency, None
+            self._presumed = latency
+            self._agree()
 
     def shown(self, now: float, offset: float, error: float) -> None:
         """By the wall clocks of both, the offset is this at `now`, and wrong by `error` at most [s]."""
@@ -92,13 +95,6 @@ class ClockOffset:
         return (most - least) / 2.0 + TUNING.resolution + TUNING.drift * abs(now - self._last.at)
 
     @property
-    def latency(self) -> float:
-        """One-way time of the quickest digests [s], mean of both directions; until both were seen, what is presumed."""
-        if self._most is None or self._least is None:
-            return self._presumed
-        return max(0.0, (self._most.offset - self._least.offset) / 2.0)
-
-    @property
     def line(self) -> Latency | None:
         """What digests take there and back; None while nobody can say."""
         return Latency(self.latency) if self.known or self.latency else None
@@ -123,6 +119,9 @@ class ClockOffset:
             if most - least < -TUNING.resolution:
                 least, self._least = -math.inf, None
         self._offset, self._range = None, self._narrowed(least, most)
+        self.latency = self._presumed
+        if self._most is not None and self._least is not None:
+            self.latency = max(0.0, (self._most.offset - self._least.offset) / 2.0)
 
     def _by_digests(self) -> tuple[float, float]:
         """The least and the most that the offset can have been at the last digest, by digests and echoes alone [s]."""

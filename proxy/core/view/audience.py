@@ -31,7 +31,7 @@ class Fan:
     """What is known of the ways of a robot's samples, in the order of the receivers' tags, and their mean time."""
 
     def __init__(self, known: Known) -> None:
-        self.mean = _mean(line for line, _ in known.values() if line is not None)
+        self.mean = _mean([line for line, _ in known.values() if line is not None])
         self._known = sorted(known.items())
 
     @property
@@ -75,9 +75,11 @@ class Paths:
 
     def mean_loss(self) -> float:
         """Return the loss of all samples that went on ways that we know; 0.0 when we know none."""
-        counted = [peer.counted_samples for peer in self._members.peers.values()]
-        share = share_of(sum(sent for sent, _ in counted), sum(lost for _, lost in counted))
-        return min(TUNING.most_loss, share or 0.0)
+        sent = lost = 0
+        for peer in self._members.peers.values():
+            (out, lost_out), (came, lost_in) = peer.outbound.losses.counted, peer.inbound.losses.counted
+            sent, lost = sent + out + came, lost + lost_out + lost_in
+        return min(TUNING.most_loss, share_of(sent, lost) or 0.0)
 
     def _from(self, robot: str) -> Known:
         sender = self._members.called(robot)
@@ -89,15 +91,17 @@ class Paths:
         return known
 
 
-def _mean(lines: Iterable[Latency]) -> Latency:
-    known = list(lines)
-    if not known:
-        return Latency(0.0)
-    return Latency(sum(each.fixed for each in known) / len(known), sum(each.per_byte for each in known) / len(known))
+def _mean(lines: list[Latency]) -> Latency:
+    fixed, per_byte = sum([each.fixed for each in lines]), sum([each.per_byte for each in lines])
+    return Latency(fixed / len(lines), per_byte / len(lines)) if lines else Latency(0.0)
 
 
-def grouped(ways: Iterable[Way]) -> tuple[float, tuple[Receiver, ...]]:
+def grouped(known: Iterable[Way]) -> tuple[float, tuple[Receiver, ...]]:
     """Return the least latency [s], and the receivers with their shares and delays after it; there is a way."""
+    ways = list(known)
+    if len(ways) == 1:
+        only = _joined(ways)
+        return only.latency, (Receiver(0.0, only.share),)
     alike: dict[int, list[Way]] = {}
     for way in ways:
         alike.setdefault(round(way.latency / TUNING.alike_latency), []).append(way)
@@ -110,10 +114,10 @@ def grouped(ways: Iterable[Way]) -> tuple[float, tuple[Receiver, ...]]:
 
 def _joined(ways: list[Way]) -> Way:
     """Return the mean way, by the shares, and the sum of the shares."""
-    share = sum(way.share for way in ways)
+    share = sum([way.share for way in ways])
     if share == 0.0:
-        return Way(sum(way.latency for way in ways) / len(ways), 0.0)
-    return Way(sum(way.latency * way.share for way in ways) / share, share)
+        return Way(sum([way.latency for way in ways]) / len(ways), 0.0)
+    return Way(sum([way.latency * way.share for way in ways]) / share, share)
 
 
 def _with_nearest_joined(groups: list[Way]) -> list[Way]:
@@ -143,12 +147,12 @@ class Audience:
     @property
     def mean(self) -> float:
         """The mean time to those whom messages get to [s]."""
-        return self.latency + sum(r.delay * r.share for r in self.receivers) / self.share
+        return self.latency + sum([r.delay * r.share for r in self.receivers]) / self.share
 
     @property
     def slowest(self) -> float:
         """The time to the last of the receivers [s]."""
-        return self.latency + max(r.delay for r in self.receivers)
+        return self.latency + max([r.delay for r in self.receivers])
 
 
 def audience_of(fan: Fan, gaining: tuple[str, ...], size: int, lost: float) -> Audience:
@@ -167,7 +171,9 @@ class Audiences:
         self._paths = paths
         self._known: dict[tuple[str, str], _Looked] = {}
         self._common: dict[tuple[str, int, tuple[str, ...]], _Looked] = {}
-        self._lost, self._lost_at = 0.0, -math.inf
+        self._lost, self._looked_at = 0.0, -math.inf
+        self._fans: dict[str, Fan] = {}
+        """The loss on all ways, and the ways of the robots that were asked for, when they were looked at last [s]."""
         self._alike = False
         """Whether as much is taken to be lost on all ways."""
 
@@ -192,9 +198,9 @@ class Audiences:
             known = self._known[place] = self._look(now, stream, gaining)
         return known.audience
 
-    def to(self, now: float, name: str, size: int) -> Audience:
+    def to(self, name: str, size: int) -> Audience:
         """Return the robot with this tag as the only one that gains by a message of ours of so many bytes."""
-        return audience_of(self._paths.of(self._settings.robot), (name,), size, self._loss(now))
+        return audience_of(self._paths.of(self._settings.robot), (name,), size, self._paths.mean_loss())
 
     def _look(self, now: float, stream: Stream, gaining: tuple[str, ...]) -> "_Looked":
         """Look at the ways of a stream, unless those of another stream that are the same were looked at lately."""
@@ -203,17 +209,14 @@ class Audiences:
         if found is None or now >= found.until:
             if len(self._common) > self._settings.streams:
                 self._common.clear()
-            fan = self._paths.of(stream.robot)
-            audience = audience_of(fan.alike if self._alike else fan, gaining, size, self._loss(now))
+            if now != self._looked_at:
+                self._looked_at, self._lost, self._fans = now, self._paths.mean_loss(), {}
+            fan = self._fans.get(stream.robot) or self._fans.setdefault(stream.robot, self._paths.of(stream.robot))
+            audience = audience_of(fan.alike if self._alike else fan, gaining, size, self._lost)
             until = now + TUNING.ways_refresh * max(1.0, len(self._members.peers) / TUNING.small_team)
             found = _Looked(until, gaining, audience)
             self._common[stream.robot, size, gaining] = found
         return found
-
-    def _loss(self, now: float) -> float:
-        if now != self._lost_at:
-            self._lost, self._lost_at = self._paths.mean_loss(), now
-        return self._lost
 
 
 def _about(size: int) -> int:
@@ -222,8 +225,7 @@ def _about(size: int) -> int:
     return (size + unit // 2) // unit * unit
 
 
-@dataclass(frozen=True, slots=True)
-class _Looked:
+class _Looked(NamedTuple):
     """An audience, of those that were `gaining`, as it is taken to be `until` then [s]."""
 
     until: float

@@ -51,7 +51,7 @@ class Members:
     @property
     def speaking(self) -> int:
         """How many others there are, but for those that take no part as they say nothing."""
-        return sum(not (peer.plain and peer.silent) for peer in self._peers.values())
+        return sum([not (peer.plain and peer.silent) for peer in self._peers.values()])
 
     @property
     def unannounced(self) -> int:

@@ -148,12 +148,6 @@ class Peer:
         self.overheard = True
 
     @property
-    def counted_samples(self) -> tuple[int, int]:
-        """How many samples went between the peer and us lately, and how many of these got lost."""
-        (out, lost_out), (came, lost_in) = self.outbound.losses.counted, self.inbound.losses.counted
-        return out + came, lost_out + lost_in
-
-    @property
     def evicted(self) -> int:
         """News and streams that there was no room for."""
         return self.inbound.evicted + self.pending.evicted
@@ -236,11 +230,14 @@ class Staleness:
         """When the last digest of each robot was sent [s, our clock], announcements aside."""
         self._delays: deque[float] = deque(maxlen=TUNING.digest_delays)
         """What the last digests took beyond the quickest of their robots [s]."""
+        self.delay = 0.0
+        """What all but few digests take beyond their least [s]: they wait for other messages, and for processors."""
 
     def heard(self, now: float, peer: Peer, digest: Digest) -> None:
         """A digest of a peer came. An announcement does not tell that the streams which it leaves out are silent."""
         sent = peer.offset.ours(digest.sent)
         self._delays.append(max(0.0, now - sent - peer.offset.latency))
+        self.delay = sorted(self._delays)[int(TUNING.digests_in_time * len(self._delays))]
         if not digest.brief:
             self._reported_until[peer.robot] = min(now, sent)
 
@@ -255,14 +252,9 @@ class Staleness:
     @property
     def longest_way(self) -> float:
         """What digests take at least from or to any peer, at most [s]."""
-        return max((peer.offset.latency for peer in self._peers.values()), default=0.0)
+        return max([peer.offset.latency for peer in self._peers.values()], default=0.0)
 
     @property
     def known(self) -> bool:
         """Whether that is known of any way, as a robot has echoed a digest of ours."""
         return any(peer.offset.known for peer in self._peers.values())
-
-    @property
-    def delay(self) -> float:
-        """What all but few digests take beyond their least [s]: they wait for other messages, and for processors."""
-        return sorted(self._delays)[int(TUNING.digests_in_time * len(self._delays))] if self._delays else 0.0

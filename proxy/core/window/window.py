@@ -117,7 +117,7 @@ class WindowBuilder:
         stream = view.streams.touch(now, own, current.key)
         if stream is None:
             raise LookupError(f"no type plans for {current.key}")
-        audience = view.audiences.to(now, current.to, current.size)
+        audience = view.audiences.to(current.to, current.size)
         return Candidate(stream, place, 1 + view.settings.relayed, audience, own=True, markovian=False, copy=True)
 
     def _forecast(

@@ -74,7 +74,7 @@ def test_what_came_before_a_key_was_known_was_not_lost(view):
     for count in range(20):
         view.overhearing.take(SampleHeard(5.1 + 0.1 * count, CAMERA, 10, "r2-zid", None, None))
     view.heard_digest(7.2, digest(7.2, StreamDigest(7, 60, 60, 7.0, 7.0, 10, 1.0)))
-    assert peer.counted_samples == (20, 0)
+    assert (peer.inbound.losses.counted, peer.outbound.losses.counted) == ((20, 0), (0, 0))
 
 
 def test_how_a_stream_generates_its_robot_knows_best(view):
