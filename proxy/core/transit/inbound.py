@@ -26,6 +26,8 @@ class Incoming:
     """Whether its timestamps are of another clock than its robot's."""
     waits: deque[float] = field(default_factory=lambda: deque(maxlen=TUNING.waits))
     """How long samples waited to be sent [s], as far as digests tell."""
+    sent: tuple[int, float] = (0, 0.0)
+    """Number of the last sample of which news tell when it was generated, and when that was [s, its robot's clock]."""
     counted: tuple[int, int] | None = None
     """Samples sent by the last news that counted, and those received then."""
 
@@ -36,6 +38,11 @@ class Incoming:
         self.stamp = -1.0 if stamp is None else stamp
         return middle(self.waits) if self.waits else 0.0
 
+    def note(self, news: StreamDigest) -> None:
+        """News tell when the last sample sent was generated, unless a later one was generated since."""
+        if news.t_forwarded >= news.t_generated:
+            self.sent = news.forwarded, news.t_generated
+
     def count(self, sent: int) -> None:
         """The robot sent so many; what has been received by now is among them."""
         self.counted = sent, self.heard
@@ -44,9 +51,13 @@ class Incoming:
         """Forget the counts: from now on other samples are counted."""
         self.counted = None
 
-    def judge(self, sent: float, wall_offset: float, period: float) -> None:
-        """Find whether timestamps are of the robot's wall clock; its last sample was sent at `sent` [s, its clock]."""
-        self.astray = abs(sent - (self.stamp - wall_offset)) > TUNING.timestamp_mismatch + period
+    def judge(self, news: StreamDigest, wall_offset: float) -> None:
+        """Find from news of the last sample whether timestamps are of the robot's wall clock, and it goes by them."""
+        stamp, (number, generated) = self.stamp - wall_offset, self.sent
+        if number == news.forwarded:
+            self.astray = abs(generated - stamp) > TUNING.unheeded_timestamp
+        else:
+            self.astray = abs(news.t_forwarded - stamp) > TUNING.timestamp_mismatch + news.period
 
 
 class _Heard(NamedTuple):
@@ -126,6 +137,7 @@ class Inbound:
         """
         incoming = self._of(key)
         before, heard = incoming.counted, incoming.heard
+        incoming.note(news)
         if not counts:
             incoming.restart()
         else:
@@ -189,9 +201,9 @@ class Inbound:
         """All samples that were sent came, so the news tells when the last one was, and if its timestamp is astray."""
         if incoming.stamp < 0.0 or self.wall_offset is None or not self._offset.known:
             return
-        incoming.judge(news.t_forwarded, self.wall_offset, news.period)
+        incoming.judge(news, self.wall_offset)
         line, took = self._samples.line, incoming.at - self._offset.ours(news.t_forwarded)
-        if incoming.astray and line is not None and line.of(incoming.size) > took + TUNING.timestamp_mismatch:
+        if incoming.astray and line is not None and line.of(incoming.size) > took + TUNING.unheeded_timestamp:
             self._samples = LatencyFit()
 
     def _read(self, until: float, *others: float) -> None:

@@ -30,6 +30,9 @@ class TransitTuning:
     """What seems to have waited for longer before it was sent was not the last sample generated [s]."""
     timestamp_mismatch: float = 2.0
     """A timestamp that is further than this from when its sample was sent is of another clock [s]."""
+    unheeded_timestamp: float = 0.9
+    """Of a sample that was generated this far from its timestamp its robot did not go by it, as it does up to 1 s [s].
+    From then to 2 s samples seemed to take as long: other streams of that robot sent 40 samples in place of 116."""
     parts_of_a_second: float = 8192.0
     """Timestamps are read to this part of a second, coarser than what a wall clock tells as a number."""
 

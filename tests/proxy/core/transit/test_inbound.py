@@ -218,3 +218,14 @@ def test_of_too_many_streams_the_one_not_heard_of_for_longest_is_forgotten(peer)
     assert peer.inbound.latency.fixed == pytest.approx(0.1, abs=1e-3)
     assert peer.inbound.losses.share == 0.0
     assert peer.evicted == 2
+
+
+def test_timestamps_that_its_robot_does_not_go_by_tell_nothing(peer):
+    """It takes samples that are older than a second for new. News tell when one was made before it comes, as a rule."""
+    for at in range(2, 12):
+        peer.inbound.heard_news(at + 0.01, KEY, news(2 * at, at, float(at), float(at)), counts=True)
+        hear(peer, float(at), 0.1, error=-1.5)
+        peer.inbound.heard_news(at + LATER, KEY, news(2 * at + 1, at, at + 0.5, float(at)), counts=True)
+    hear_digest(peer, 14.0)
+    assert peer.inbound._streams[KEY].astray
+    assert peer.inbound.line.of(100) == pytest.approx(0.01, abs=1e-3)
