@@ -13,6 +13,7 @@ from proxy import clock, exit_codes
 from proxy.commands.config_flags import LAYERS, add_config_flags, reader
 from proxy.config import BridgeConfig, Config, MeshConfig
 from proxy.config_files import standard
+from proxy.descriptors import raise_limit
 from proxy.errors import ConfigError, ProxyError
 from proxy.heap import Spare, give_back, keep_together
 from proxy.log import set_up_logging
@@ -91,6 +92,7 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
     set_up_logging(config.log, os.environ)
     for outdated in config.outdated:
         log.warning("%s", outdated)
+    raise_limit()
     if raise_priority():  # before there are other threads: each takes after the one that starts it
         lengthen_slice()
     else:
