@@ -13,7 +13,7 @@ from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import Openings, Room
 from proxy.core.market.tuning import TUNING as MARKET
-from proxy.core.model.limits import Limit, Limits, Send, changes_plans, longest_window, shortest_window
+from proxy.core.model.limits import Limit, Limits, Send, changes_plans, exceeds, longest_window, shortest_window, use_of
 from proxy.core.view.traffic import WORDS
 from proxy.core.view.view import SharedView
 
@@ -205,7 +205,10 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        ours, theirs = tuple(self.own.since(since)), self._sent_by_others(now, since, words=False)
+        ours, theirs = (
+            tuple(self.own.since(since)),
+            self._sent_by_others(now, since, words=_all_fit(now, self._view, self.limits)),
+        )
         return Limits(self.usable(now), ours, theirs, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
@@ -245,6 +248,12 @@ class Budget:
         """Return what others sent since then; with the `words` that exceeded the allowance, or without."""
         sent = [] if self.alone else [e for e in self._view.traffic.sent_since(since) if words or e[2] != WORDS]
         return uses_of(now, sent, self.limits, self.own.leave_after)
+
+
+def _all_fit(now: float, view: SharedView, limits: tuple[Limit, ...]) -> bool:
+    """Whether no message is larger than a limit: plans send such a one only where nothing else was sent."""
+    sizes = (round(stream.sizes.mean) for stream in view.contention.all(now))
+    return not any(exceeds(1.0, use_of(size, 1, limits), limits) for size in sizes)
 
 
 def using(budget: Budget, now: float) -> float:

@@ -221,7 +221,9 @@ class Disputes:
             if (use := uses.get(row.stream.robot)) is not None:
                 for k, c in enumerate(limits):
                     use[k] += row.use[k] * c.window / interval
-        lacking = [[max(0.0, ours - theirs) for ours, theirs in zip(uses[me], uses[robot], strict=True)] for robot in met]
+        lacking = [
+            [max(0.0, ours - theirs) for ours, theirs in zip(uses[me], uses[robot], strict=True)] for robot in met
+        ]
         return tuple([sum(each[k] for each in lacking) if c.shared else 0.0 for k, c in enumerate(limits)])
 
     def _used(self, now: float) -> Amounts:
