@@ -47,7 +47,7 @@ class MarketTuning:
     rate_samples: int = 8
     """Of a stream that generated fewer samples nobody can say how often it does."""
     untold: float = 2.0
-    """News of a stream of which few samples are known are late after so many of its intervals."""
+    """News of a stream of which few samples are known are late after so many of its intervals (`Disputes._untold`)."""
     longest: float = 300.0
     """What a stream loses by what it shows too much counts up to so many of its intervals: none sends more seldom."""
     most_scale: float = 1e100

@@ -22,7 +22,7 @@ WINDOW = 2.0
 class Robot:
     """A robot and others, whose news take as long as it is told; the first so many of all have something to `send`."""
 
-    def __init__(self, specs, peers=("p1", "p2"), *, send=2, **settings):
+    def __init__(self, specs, peers=("p1", "p2"), *, send=2, size=1000, **settings):
         self.view = SharedView(CoreSettings("r1", "z1", **settings), specs)
         self.coordination = Coordination(0.0, self.view.settings, self.view)
         self.limits = limits_of(specs, 0.02, len(peers) + 1)
@@ -36,7 +36,7 @@ class Robot:
             stream = self.view.streams.touch(0.0, robot, f"robot/{robot}/camera")
             stream.matching = True
             for count in range(9):
-                stream.note_generated(count + 1, Generated(count - 8.5, 1000, 1.0))
+                stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
 
     def look(self, *, waiting=0.0, announcing=0.0, using=0.0):
         self.now += TUNING.interval

@@ -146,6 +146,17 @@ def test_no_more_is_announced_than_the_limits_let_the_team_send(make_sender):
         assert sender.announcements.share(NOW) == pytest.approx(most * COST * 2 / sender.budget.rate)
 
 
+def test_a_stream_of_one_sample_is_not_taken_to_come_a_thousand_times_a_second(make_sender):
+    """Its period is not known: a single one made announcements seem too dear, and teams split."""
+    sender = make_sender(size=round(LARGE), period=10.0)
+    before = sender.announcements.share(NOW)
+    new = sender.view.streams.touch(NOW, "r1", "robot/r1-new/camera")
+    new.matching = True
+    new.note_generated(1, Generated(NOW, round(LARGE), 1.0))
+    more = sender.announcements.share(NOW) - before
+    assert 0.0 <= more < 10 / WINDOW * COST * 2 / sender.budget.rate
+
+
 def test_a_team_of_which_nothing_is_known_yet_sends_some_messages_in_each_window(make_sender):
     """Else a large team would find announcing cheap until it has begun."""
     sender = make_sender(sending=())

@@ -92,7 +92,7 @@ def test_small_samples_go_without_a_search_and_are_no_part_of_any(talk):
 
 
 def test_frames_compete_for_what_small_samples_leave(talk):
-    """The limit of a problem is lower by the reserve, and what is booked is no traffic besides: some bytes of digests."""
+    """The limit of a problem is lower by the reserve, and what is booked is no traffic besides, digests are."""
     run(talk, 2.0, 4.0, send=False)
     run(talk, 4.0, 4.6, send=False, camera=False)
     _, said = talk.publish(4.6, "robot/r1/camera", size=FRAME)
@@ -151,6 +151,24 @@ def test_who_was_met_lately_is_taken_to_send_as_many_small_samples_as_we_do(talk
     assert before[0] - after[0] == pytest.approx(odometry, rel=0.2)
     run(talk, 6.0, 4.5 + VIEW.newcomer_time)
     assert disputes(talk).left(4.5 + VIEW.newcomer_time)[0] == pytest.approx(before, rel=0.01)
+
+
+@pytest.mark.parametrize(("count", "presumed"), [(2, 10 * 116), (9, 0)])
+def test_of_whom_news_are_late_before_its_rate_is_known_is_taken_to_send_as_we_do(talk, count, presumed):
+    """Where robots may tell each other little; of a stream of which enough is known its own rate counts."""
+    run(talk, 2.0, 4.0)
+    before, _ = disputes(talk).left(4.0)
+    talk.tell(ev.PeerAppeared(4.0, "r2", "z-r2"))
+    told = StreamState(1, "robot/r2/odometry", "odometry", 0.0, size=1)
+    talk.tell(ev.StateHeard(4.0, State("r2", "z-r2", "enforce", "", (told,), (), number=1)))
+    for number in range(count):
+        at = 4.01 + 0.1 * number
+        news = (StreamDigest(1, number + 1, number + 1, at, at, 1, 1.0),)
+        talk.tell(ev.DigestHeard(at, Digest("r2", tag("z-r2"), at, number + 1, number + 1, news, state=1), 40))
+    end = 4.5 + VIEW.newcomer_time
+    run(talk, 5.0, end)
+    after, _ = disputes(talk).left(end)
+    assert before[0] - after[0] == pytest.approx(presumed, abs=300)
 
 
 @pytest.mark.parametrize(("messages", "presumed"), [(0, 0.0), (1, 10 * 116)])
