@@ -48,6 +48,8 @@ class Team:
         """Whether several robots have something to send."""
         self.must_announce = False
         """Whether others have to hear of what we send, as far as we know."""
+        self.tight = False
+        """Whether announcements take most of what robots may tell each other."""
         self.even = False
         """Whether equal parts do: announcements cost too much, and no message is much larger than such a part."""
         self.sharers: frozenset[str] = frozenset()
@@ -140,7 +142,9 @@ class Team:
         sending = {stream.robot for stream in competing} | _unheard(view)
         self.sharers = self.members if self.large else self._find_senders()
         by_turns = any(exceeds(1.0 / self.sharing, use_of(round(s.sizes.mean), 1, limits), limits) for s in competing)
-        dear = announcing(now) > still * (TUNING.affordable_turns if by_turns else TUNING.affordable)
+        share = announcing(now)
+        self.tight = share > TUNING.affordable
+        dear = share > still * (TUNING.affordable_turns if by_turns else TUNING.affordable)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
         # nobody says anything: one of four robots heard nothing of the others for 14 s, and took the whole limit.

@@ -88,9 +88,10 @@ class Account:
         self.told += _cost(size, copies)
 
     def _count(self, now: float, size: int, copies: int) -> int:
-        """Return what something takes in so many copies [B]; what exceeds the allowance of a window is load.
+        """Return what something takes in so many copies [B]; what exceeds a tight allowance of a window is load.
 
-        Else 10 % of the windows of twelve robots that announced large samples ahead of it were over the limit.
+        Else 10 % of the windows of twelve robots that announced large samples ahead of it were over the limit. Where it
+        is not tight eight robots with cameras sent 4 % less so, for 1 % of the windows.
         """
         cost = _cost(size, copies)
         if (excess := min(cost, round(self._budget.told_lately - self._allowance * self.window))) > 0:

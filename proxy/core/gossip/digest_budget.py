@@ -124,6 +124,7 @@ class DigestBudget:
         """The allowance of all robots together [B/s]."""
         self._robots, self._copies, self._follows = 1, 1, False
         self._saved, self._splits, self._quiet, self._window = saved, False, False, 0.0
+        self._tight = False
         self._recent = RecentBytes()
         """What all told in the last window."""
         self._common = 0.0
@@ -151,14 +152,18 @@ class DigestBudget:
         self.rate, self._robots, self._copies, self._follows = rate, robots, copies, follows
         self.states.set_rate(rate, robots)
 
-    def follow(self, now: float, *, splits: bool, quiet: bool, begins: bool, window: float) -> None:
+    def follow(
+        self, now: float, *, splits: bool, quiet: bool, begins: bool, window: float, tight: bool = False
+    ) -> None:
         """Each robot has its part or not, and the team `begins` or has done so; `window` is the shortest one [s].
+
+        `tight`: announcements take most of the allowance.
 
         A large, `quiet` team tells ordinary news in turn: else five of fifty robots told them at once (1.16 limits).
         """
         if quiet and not self._quiet:
             self._own = min(self._own, -self._turn * self._size * self._copies)
-        self._splits, self._quiet, self._window = splits, quiet, window
+        self._splits, self._quiet, self._window, self._tight = splits, quiet, window, tight
         self.advance(now)
         if self._saved and not begins:
             self._saved = 0.0
@@ -179,8 +184,8 @@ class DigestBudget:
 
     @property
     def told_lately(self) -> float:
-        """What all told in the last window, as of the last time something was [B]."""
-        return 0.0 if self._saved else self._recent.total
+        """What all told in the last window where announcements take most of the allowance, as of the last word [B]."""
+        return self._recent.total if self._tight else 0.0
 
     def heard(self, now: float, size: int, copies: int) -> None:
         """Another robot told something of so many bytes, in so many copies."""

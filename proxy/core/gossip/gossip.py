@@ -141,4 +141,6 @@ class Gossip:
             self.budget.advance(now)
             return
         team, begins = self._coordination.team, self._coordination.begins(now)
-        self.budget.follow(now, splits=team.splits, quiet=team.quiet, begins=begins, window=self.account.window)
+        self.budget.follow(
+            now, splits=team.splits, quiet=team.quiet, begins=begins, window=self.account.window, tight=team.tight
+        )

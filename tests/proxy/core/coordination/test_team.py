@@ -51,6 +51,7 @@ def test_announcements_may_cost_more_where_messages_are_larger_than_an_equal_par
         for _ in range(2 + round(TUNING.dear_time / TUNING.interval)):
             team.look(announcing=announcing * affordable)
         assert team.coordination.team.splits is splits
+        assert team.coordination.team.tight is (announcing * affordable > TUNING.affordable)
 
 
 def test_who_has_nothing_to_send_does_not_ask_for_a_split(make_team):

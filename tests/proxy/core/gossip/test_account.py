@@ -86,14 +86,18 @@ def test_digests_that_were_lost_cost_as_much_as_those_that_came(make_books):
     assert costs[1] - costs[0] == 2 * 10_000
 
 
-def test_what_is_told_beyond_the_allowance_of_a_window_is_load(make_books):
+@pytest.mark.parametrize("tight", [True, False])
+def test_what_is_told_beyond_a_tight_allowance_of_a_window_is_load(make_books, tight):
     """The limits leave room for no more. It leaves the window as samples do."""
     books = make_books()
-    books.budget.follow(0.0, splits=False, quiet=False, begins=False, window=WINDOW)
+    books.budget.follow(0.0, splits=False, quiet=False, begins=False, window=WINDOW, tight=tight)
     size = round(0.3 * books.allowed)
     for number in range(3):
         books.account.heard_digest(3.0 + 0.1 * number, size)
     cost = books.account.digest_copies * (size + TUNING.overhead)
+    if not tight:
+        assert not books.view.traffic.sends
+        return
     (at, (more, copies), _), *others = books.view.traffic.sent_since(0.0)
     assert (at, copies) == (3.1, 1)
     assert sum([more, *(amount for _, (amount, _), _ in others)]) == pytest.approx(3 * cost - books.allowed, abs=1)
