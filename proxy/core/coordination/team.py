@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
+from proxy.core.market.standing import interval_of
 from proxy.core.model.limits import Limit, allowance_of, changes_plans, exceeds, shortest_window, use_of
 from proxy.core.model.settings import is_broadcast
 from proxy.core.protocol.messages import Digest
@@ -141,8 +142,7 @@ class Team:
         competing = view.contention.all(now)
         sending = {stream.robot for stream in competing} | _unheard(view)
         self.sharers = self.members if self.large else self._find_senders()
-        by_turns = any(exceeds(1.0 / self.sharing, use_of(round(s.sizes.mean), 1, limits), limits) for s in competing)
-        share = announcing(now)
+        share, by_turns = announcing(now), _would_go_by_turns(now, competing, self.sharing, limits)
         self.tight = share > TUNING.affordable
         dear = share > still * (TUNING.affordable_turns if by_turns else TUNING.affordable)
         self.even = self._equal_parts_do(competing, limits) and dear
@@ -241,6 +241,17 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
     told = allowance_of(view.specs, view.settings.allowance, robots)
     words = ((use_of(round(told * limit.window), 1, (limit,)), limit) for limit in limits)
     return not any(exceeds(TUNING.announced_part, use, (limit,)) for use, limit in words)
+
+
+def _would_go_by_turns(now: float, streams: Collection[Stream], robots: int, limits: tuple[Limit, ...]) -> bool:
+    """Return whether most of what streams ask for is in messages larger than an equal part of so many robots."""
+    larger, window = 0.0, shortest_window(limits)
+    for stream in streams:
+        use = use_of(round(stream.sizes.mean), 1, limits)
+        part = max([u / c.limit for u, c in zip(use, limits, strict=True) if c.shared], default=0.0)
+        asked = part / interval_of(now, stream, window)
+        larger += asked if part > 1.0 / robots else -asked
+    return larger > 0.0
 
 
 def words_take_long(view: SharedView, robots: int) -> bool:
