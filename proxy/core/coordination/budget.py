@@ -38,10 +38,11 @@ class Handover:
         """Return what others sent since then [s], each as much later as its room comes to us."""
         if sends is not self._known[0]:
             senders = [robot for *_, robot in self._view.traffic.sent_since(since)]
-            own, others = self._view.traffic.robot, set(senders)
+            own, others = self._view.traffic.robot, set(senders) - {WORDS}
             names = sorted(others | {own})
             place, step, longest = names.index(own), self._step(), self.longest(len(others), limits)
             after = {robot: min((place - k) % len(names) * step, longest) for k, robot in enumerate(names)}
+            after[WORDS] = min(place * step, longest)  # what they leave no robot had
             late = [(t + after[robot], use) for (t, use), robot in zip(sends, senders, strict=True)]
             self._known = sends, tuple(late)
         return self._known[1]

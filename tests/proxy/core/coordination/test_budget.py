@@ -340,6 +340,28 @@ def test_room_that_just_opened_is_not_everybodys_at_once(team):
     assert not any(each.budget.lacking(now, (500.0,)) for each in team)
 
 
+def test_what_robots_tell_each_other_takes_no_turn(team):
+    """Where one knows that they told too much, and another does not, their turns would else be the same."""
+    for each in team:
+        each.sent(1.0, "r1", 50)
+        each.sent(1.0, "r2", 50)
+        each.sent(1.2, "r3", 800)
+    before = opens(team, 1.3, 500.0)
+    team[0].view.traffic.note_words(1.1, 10)
+    assert opens(team, 1.3, 500.0) == pytest.approx(before)
+
+
+def test_room_that_words_leave_is_nobodys_and_goes_from_name_to_name(team):
+    """All wait for it, one after the other."""
+    for each in team:
+        each.sent(1.1, "r1", 50)
+        each.sent(1.1, "r2", 50)
+        each.view.traffic.note_words(1.0, 800)
+    first, second, third = opens(team, 1.3)
+    assert first == pytest.approx(2.0, abs=1e-5)
+    assert first < second < third
+
+
 def test_where_there_is_room_nobody_waits(team):
     """Whoever sent before."""
     for each in team:
