@@ -206,11 +206,8 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        ours, theirs = (
-            tuple(self.own.since(since)),
-            self._sent_by_others(now, since, words=_all_fit(now, self._view, self.limits)),
-        )
-        return Limits(self.usable(now), ours, theirs, alone=self.alone, agreed=self.agreed)
+        others = self._sent_by_others(now, since, words=_all_fit(now, self._view, self.limits))
+        return Limits(self.usable(now), tuple(self.own.since(since)), others, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than all that may be used has a stretched window for itself, or our turn."""
@@ -253,8 +250,8 @@ class Budget:
 
 def _all_fit(now: float, view: SharedView, limits: tuple[Limit, ...]) -> bool:
     """Whether no message is larger than a limit: plans send such a one only where nothing else was sent."""
-    sizes = (round(stream.sizes.mean) for stream in view.contention.all(now))
-    return not any(exceeds(1.0, use_of(size, 1, limits), limits) for size in sizes)
+    amounts = ((round(each.sizes.mean), view.subscribers.copies(each)) for each in view.contention.all(now))
+    return not any(exceeds(1.0, use_of(*amount, limits), limits) for amount in amounts)
 
 
 def using(budget: Budget, now: float) -> float:

@@ -109,6 +109,20 @@ def test_a_problem_has_what_still_counts(make_budget):
     assert limits.others == ((1.1, (60.0, 1.0)),)
 
 
+@pytest.mark.parametrize(("size", "there"), [(400, True), (600, False)])
+def test_a_problem_has_no_words_where_a_message_is_larger_than_a_limit_in_all_its_copies(make_budget, size, there):
+    """For it is sent only where nothing else was: words would keep it back for as long as robots tell too much."""
+    budget, view = make_budget(peers=2)
+    stream = view.streams.touch(1.0, "r1", "robot/r1/camera")
+    stream.matching = True
+    view.subscribers.set("p0", ("robot/**",))
+    view.subscribers.set("p1", ("robot/**",))
+    stream.note_generated(1, Generated(1.0, size, 1.0))
+    assert view.subscribers.copies(stream) == 2
+    view.traffic.note_words(1.1, 50)
+    assert bool(budget.problem_limits(1.2).others) is there
+
+
 def test_a_message_larger_than_the_limit_has_the_window_stretched_for_it(make_budget):
     """It goes when nothing was sent for as long as its bytes take, and nothing else goes for as long after it."""
     budget, view = make_budget()
