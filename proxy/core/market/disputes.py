@@ -215,10 +215,10 @@ class Disputes:
         Eight robots that met had 20 to 40 % of the first 6 s of windows over the limit without it, 1 to 5 % with it.
         """
         limits, me = self._limits, self._view.settings.robot
-        met = set()
+        met = list[str]()
         if not self._alone:
             listens, little = self._view.newcomers.only_listens, self._view.newcomers.little_known(now)
-            met = untold | {peer.robot for peer in little if not listens(peer)}
+            met = sorted(untold.union(peer.robot for peer in little if not listens(peer)))
         uses = {robot: [0.0] * len(limits) for robot in (me, *met)}
         for row, interval in zip(load, apart, strict=True):
             if (use := uses.get(row.stream.robot)) is not None:

@@ -2,16 +2,18 @@
 
 import math
 from dataclasses import replace
+from itertools import permutations
 
 import pytest
 
 from proxy.core.core import Core
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
-from proxy.core.market.standing import Standing
+from proxy.core.market.standing import Row, Standing
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
+from proxy.core.view.stream import Stream
 from proxy.core.view.tuning import TUNING as VIEW
 from proxy.recording.snapshots import restored, taken
 from tests.proxy.core.talk import Talk, only
@@ -169,6 +171,30 @@ def test_of_whom_news_are_late_before_its_rate_is_known_is_taken_to_send_as_we_d
     run(talk, 5.0, end)
     after, _ = disputes(talk).left(end)
     assert before[0] - after[0] == pytest.approx(presumed, abs=300)
+
+
+class Hashed(str):
+    """A name that has the same place in a set in any process."""
+
+    __slots__ = ("number",)
+
+    def __hash__(self):
+        return self.number
+
+
+def test_what_robots_are_taken_to_send_is_the_same_in_any_process(talk):
+    """Names are in another order in a set there, and sums in another order differ: an exact replay would, too."""
+    run(talk, 2.0, 4.0)
+    kind = talk.core.view.streams.known("r1", "robot/r1/odometry").information_type
+    names = [Hashed(name) for name in ("r2", "r3", "r4")]
+    uses = [("r1", 2.0), *zip(names, (0.9, 0.8, 0.7), strict=True)]
+    rows = [Row(Stream(0, robot, "odometry", kind), 0.5, 0.0, 1.0, (use,), (0.0,)) for robot, use in uses]
+    found = set()
+    for numbers in permutations(range(3)):
+        for name, number in zip(names, numbers, strict=True):
+            name.number = number
+        found.add(disputes(talk)._presumed(4.0, rows, [0.5] * 4, set(names)))
+    assert len(found) == 1
 
 
 @pytest.mark.parametrize(("messages", "presumed"), [(0, 0.0), (1, 10 * 116)])
