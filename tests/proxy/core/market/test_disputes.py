@@ -45,15 +45,20 @@ utility = { kind = "step", lifetime = "10 s" }
 LIMIT, FRAME = 62_500, 26_000
 
 
-@pytest.fixture(scope="module")
-def known(tmp_path_factory):
+def begun(path, *, allowance=0.0):
     """A robot with a camera of 10 Hz and odometry of 20 Hz whose samples somebody wants, known for 12 s."""
-    path = tmp_path_factory.mktemp("known") / "spec.toml"
     path.write_text(SPEC)
-    talk = Talk(Core(CoreSettings("r1", "z-r1", coordination="announce", allowance=0.0), load_specs(path), -10.0))
+    settings = CoreSettings("r1", "z-r1", coordination="announce", allowance=allowance)
+    talk = Talk(Core(settings, load_specs(path), -10.0))
     talk.want(-10.0, keys=("robot/**",))
     run(talk, -9.99, 2.0)
     return talk
+
+
+@pytest.fixture(scope="module")
+def known(tmp_path_factory):
+    """Such a robot, in a team that may tell nothing."""
+    return begun(tmp_path_factory.mktemp("known") / "spec.toml")
 
 
 @pytest.fixture
@@ -171,6 +176,39 @@ def test_of_whom_news_are_late_before_its_rate_is_known_is_taken_to_send_as_we_d
     run(talk, 5.0, end)
     after, _ = disputes(talk).left(end)
     assert before[0] - after[0] == pytest.approx(presumed, abs=300)
+
+
+def booked(talk, now):
+    """What is booked of the limit now [B]."""
+    return talk.core.budget.limits[0].limit - disputes(talk).left(now)[0][0]
+
+
+def test_who_says_in_time_that_nothing_is_new_is_not_taken_to_send_as_we_do(tmp_path):
+    """Its only sample was an alarm: news of it are rare, but not late."""
+    talk = begun(tmp_path / "spec.toml", allowance=0.05)
+    talk.tell(ev.PeerAppeared(2.0, "r2", "z-r2"))
+    told = StreamState(1, "robot/r2/alarm", "alarm", 0.0, size=76)
+    talk.tell(ev.StateHeard(2.0, State("r2", "z-r2", "enforce", "", (told,), (), number=1)))
+    at, sent = 2.0, 0
+    while at < 6.0 + VIEW.newcomer_time:
+        run(talk, at, at + 0.5)
+        at += 0.5
+        first = not sent and at > 2.0 + VIEW.newcomer_time
+        news = (StreamDigest(1, 1, 1, at, at, 76, 1.0),) if first else ()
+        sent += first
+        digest = Digest("r2", tag("z-r2"), at, sent, 76 * sent, news, state=1)
+        settle(talk, at, talk.tell(ev.DigestHeard(at, digest, 40)), send=True)
+    assert ("r2", "robot/r2/alarm") in disputes(talk).settled
+    assert booked(talk, at) < 1.5 * 10 * 116
+
+
+def test_a_plain_node_is_not_taken_to_send_as_we_do(tmp_path):
+    """It never says how often it does; an app that sent one sample is no robot."""
+    talk = begun(tmp_path / "spec.toml", allowance=0.05)
+    talk.tell(ev.SampleHeard(2.0, "robot/r9/alarm", 76, "z-app", None, None))
+    run(talk, 2.0, 5.0)
+    assert ("?z-app", "robot/r9/alarm") in disputes(talk).settled
+    assert booked(talk, 5.0) < 1.5 * 10 * 116
 
 
 class Hashed(str):
