@@ -81,9 +81,7 @@ def _prepared(
     latency = LATENCY if arguments.latency is None else arguments.latency
     specs = _specs(arguments, survey)
     if not exact:
-        compared = survey.borne.parts and any(limit.least < 1.0 for limit in specs.constraints)
-        recorded = _recorded(arguments, survey.specs) if compared and survey.specs is not None else None
-        specs, notes = as_borne(specs, survey.borne, recorded)
+        specs, notes = as_borne(specs, survey.borne, _compared(arguments, survey, specs))
         survey.problems += notes
     return recordings, survey, Mission(specs, robots, latency, arguments.loss or 0.0)
 
@@ -115,6 +113,21 @@ def _recorded(arguments: argparse.Namespace, text: SpecsText) -> Specs:
         return specs_of(text, python=arguments.python)
     except RecordingError as error:
         raise ReplayError(f"{error}; --specs names others") from None
+
+
+def _compared(arguments: argparse.Namespace, survey: Survey, specs: Specs) -> Specs | None:
+    """Return the specs that were recorded, where others are flown whose limits follow the channel.
+
+    Raises ReplayError where they cannot be read.
+    """
+    adaptive = any(limit.least < 1.0 for limit in specs.constraints)
+    if arguments.specs is None or survey.specs is None or not (adaptive and survey.borne.parts):
+        return None
+    try:
+        return specs_of(survey.specs, python=arguments.python)
+    except RecordingError as error:
+        told = "what the channel bore is recorded as parts of limits that are not known"
+        raise ReplayError(f"{told}: {error}; --limit names a throughput instead") from None
 
 
 def _fly(

@@ -12,6 +12,7 @@ from proxy import exit_codes
 from proxy.cli import main
 from proxy.core.core import Core
 from proxy.core.interface import events as ev
+from proxy.recording.entries import SpecsText
 from proxy.recording.output import text_of
 from proxy.recording.writing import RecordingWriter
 from studies.replay.table import quantity, span
@@ -127,6 +128,22 @@ def test_adaptive_limits_are_not_guessed(capsys):
     assert replay("--specs", "adaptive.toml", "--no-bound")[0] == exit_codes.FAILED
     assert "the limit throughput is adaptive" in capsys.readouterr().err
     assert replay("--specs", "adaptive.toml", "--no-bound", "--limit", "8 kbit/s")[1]["violations"] == 0
+
+
+@pytest.mark.usefixtures("place")
+def test_of_limits_that_cannot_be_read_nobody_knows_what_the_channel_bore(capsys):
+    """Other specs are named already; a throughput is what helps."""
+    text = Path("spec.toml").read_text()
+    Path("adaptive.toml").write_text(text.replace('limit = "8 kbit/s"', 'limit = "adaptive"\nceiling = "80 kbit/s"'))
+    with RecordingWriter(Path("r1.mcap"), replace(START, generation="lost")) as writer:
+        writer.specs(SpecsText("lost"))
+        for number in range(3):
+            writer.happened(published(number), [{"command": "SendDigest", "digest": {"capacity": [0.5]}}])
+    asked = ("--specs", "adaptive.toml", "--policy", "planner", "--no-bound")
+    assert replay(*asked, file="r1.mcap")[0] == exit_codes.FAILED
+    told = capsys.readouterr().err
+    assert "--limit names a throughput instead" in told
+    assert "--specs names others" not in told
 
 
 def test_the_page_needs_nothing_else(place):
