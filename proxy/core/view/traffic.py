@@ -9,7 +9,7 @@ from proxy.core.view.subscribers import Subscribers
 from proxy.core.view.tuning import TUNING
 
 WORDS = ""
-"""Who sends what robots tell each other beyond their allowance."""
+"""Who sends what robots tell each other while that is more than their allowance: nobody's name."""
 
 
 class TrafficLog:
@@ -58,7 +58,7 @@ class TrafficLog:
         return entry
 
     def note_words(self, at: float, size: int) -> None:
-        """Robots told each other so much more than they may, all copies counted: no limit leaves room for that [B]."""
+        """Robots tell so much, all copies counted, while it is more than they may: limits leave no room for it [B]."""
         self.note_unknown(at, size, WORDS)
 
     def retract(self, entry: Entry) -> None:

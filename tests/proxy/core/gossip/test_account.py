@@ -105,6 +105,25 @@ def test_what_is_told_beyond_a_tight_allowance_of_a_window_is_load(make_books, t
     assert len(books.view.traffic.sent_since(0.0)) == 1 + len(others)
 
 
+def test_while_more_is_told_all_the_time_all_of_it_is_load(make_books):
+    """More than what exceeds the allowance, as not all that others tell is heard, nor at once."""
+    books = make_books()
+    books.budget.follow(0.0, splits=False, quiet=False, begins=False, window=WINDOW)
+    cost = round(0.1 * books.allowed)
+    for number in range(30):
+        books.account.heard_digest(3.0 + number * WINDOW / 15, cost // books.account.digest_copies - TUNING.overhead)
+    end = 3.0 + 29 * WINDOW / 15
+    load = sum(amount for _, (amount, _), _ in books.view.traffic.sent_since(end - 0.99 * WINDOW))
+    assert load == pytest.approx(1.5 * books.allowed, abs=cost)
+
+
+def test_where_robots_share_no_limit_nothing_that_they_tell_is_load(make_books):
+    """They may tell as much as they like."""
+    books = make_books(private=True)
+    books.account.heard_digest(3.0, 10_000)
+    assert not books.view.traffic.sends
+
+
 def test_a_whole_state_of_another_robot_is_for_us_alone(make_books):
     """An update is for all."""
     whole, update = make_books(), make_books()
