@@ -49,17 +49,17 @@ class TrafficLog:
         self.count(messages, size)
         self.largest = max(self.largest, largest)
 
-    def note_unknown(self, at: float, size: int, robot: str) -> Entry:
-        """A robot sent something of a stream that we know nothing of, in one copy; return its entry."""
-        entry = at, (size, 1), robot
+    def note_unknown(self, at: float, size: int, robot: str, copies: int = 1) -> Entry:
+        """A robot sent something of a stream that we know nothing of, as a rule in one copy; return its entry."""
+        entry = at, (size, copies), robot
         self.revision += 1
         self.noted += 1
         self.sends.append(entry)
         return entry
 
-    def note_words(self, at: float, size: int) -> None:
-        """Robots tell so much, all copies counted, while it is more than they may: limits leave no room for it [B]."""
-        self.note_unknown(at, size, WORDS)
+    def note_words(self, at: float, size: int, copies: int) -> None:
+        """Robots tell so much [B], in so many copies, while it is more than they may: limits leave no room for it."""
+        self.note_unknown(at, size, WORDS, copies)
 
     def retract(self, entry: Entry) -> None:
         """It is known now what stream that was: it counts as a sample of that."""

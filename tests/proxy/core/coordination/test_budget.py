@@ -119,7 +119,7 @@ def test_a_problem_has_no_words_where_a_message_is_larger_than_a_limit_in_all_it
     view.subscribers.set("p1", ("robot/**",))
     stream.note_generated(1, Generated(1.0, size, 1.0))
     assert view.subscribers.copies(stream) == 2
-    view.traffic.note_words(1.1, 50)
+    view.traffic.note_words(1.1, 50, 1)
     assert bool(budget.problem_limits(1.2).others) is there
 
 
@@ -361,7 +361,7 @@ def test_what_robots_tell_each_other_takes_no_turn(team):
         each.sent(1.0, "r2", 50)
         each.sent(1.2, "r3", 800)
     before = opens(team, 1.3, 500.0)
-    team[0].view.traffic.note_words(1.1, 10)
+    team[0].view.traffic.note_words(1.1, 10, 1)
     assert opens(team, 1.3, 500.0) == pytest.approx(before)
 
 
@@ -370,7 +370,7 @@ def test_room_that_words_leave_is_nobodys_and_goes_from_name_to_name(team):
     for each in team:
         each.sent(1.1, "r1", 50)
         each.sent(1.1, "r2", 50)
-        each.view.traffic.note_words(1.0, 800)
+        each.view.traffic.note_words(1.0, 800, 1)
     first, second, third = opens(team, 1.3)
     assert first == pytest.approx(2.0, abs=1e-5)
     assert first < second < third

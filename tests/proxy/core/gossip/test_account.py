@@ -13,9 +13,17 @@ from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, State
 from proxy.core.view.view import SharedView
+from tests.proxy.core.talk import UNLIMITED
 from tests.proxy.core.view.met import lose
 
 ALLOWANCE, WINDOW = 0.05, 2.0
+AIR = """
+[[constraint]]
+kind = "airtime"
+limit = "50 %"
+rate = "6 Mbit/s"
+window = "2 s"
+"""
 OWN_ENERGY = Limit("energy", 2.0, 3.0, Energy(3.0, 2.0, per_byte=1e-3))
 
 
@@ -48,7 +56,7 @@ class Books:
 
 @pytest.fixture
 def make_books(make_specs):
-    return lambda **rest: Books(make_specs(window=WINDOW), **rest)
+    return lambda text=None, **rest: Books(make_specs(window=WINDOW, text=text), **rest)
 
 
 @pytest.mark.parametrize(("part", "follows", "share"), [(1.0, False, TUNING.digests), (0.8, True, 0.8)])
@@ -98,28 +106,42 @@ def test_what_is_told_beyond_a_tight_allowance_of_a_window_is_load(make_books, t
     if not tight:
         assert not books.view.traffic.sends
         return
-    (at, (more, copies), _), *others = books.view.traffic.sent_since(0.0)
-    assert (at, copies) == (3.1, 1)
-    assert sum([more, *(amount for _, (amount, _), _ in others)]) == pytest.approx(3 * cost - books.allowed, abs=1)
+    first, *_ = load = books.view.traffic.sent_since(0.0)
+    assert first[0] == 3.1
+    assert sum(amount * copies for _, (amount, copies), _ in load) == pytest.approx(3 * cost - books.allowed, abs=4)
     books.account.heard_digest(3.0 + 1.5 * WINDOW, size)
-    assert len(books.view.traffic.sent_since(0.0)) == 1 + len(others)
+    assert books.view.traffic.sent_since(0.0) == load
+
+
+def test_what_is_told_too_much_takes_the_air_in_all_its_copies(make_books):
+    """Each copy is a frame with a preamble: one that is as large as all of them takes the air for half as long."""
+    books = make_books(text=AIR + UNLIMITED)
+    (limit,) = limits_of(books.view.specs, ALLOWANCE, 3)
+    books.budget.follow(0.0, splits=False, quiet=False, begins=False, window=WINDOW, tight=True)
+    for number in range(300):
+        books.account.heard_digest(3.0 + 0.001 * number, 40)
+    one = limit.measure.use(40 + TUNING.overhead, 2, own=False)
+    last = [entry for entry in books.view.traffic.sends if entry[0] > 3.25]
+    assert sum(limit.measure.use(*amount, own=False) for _, amount, _ in last) == pytest.approx(one * len(last))
 
 
 def test_while_more_is_told_all_the_time_all_of_it_is_load(make_books):
     """More than what exceeds the allowance, as not all that others tell is heard, nor at once."""
     books = make_books()
-    books.budget.follow(0.0, splits=False, quiet=False, begins=False, window=WINDOW)
+    books.budget.follow(0.0, splits=False, quiet=False, begins=False, window=WINDOW, tight=True)
     cost = round(0.1 * books.allowed)
     for number in range(30):
         books.account.heard_digest(3.0 + number * WINDOW / 15, cost // books.account.digest_copies - TUNING.overhead)
     end = 3.0 + 29 * WINDOW / 15
-    load = sum(amount for _, (amount, _), _ in books.view.traffic.sent_since(end - 0.99 * WINDOW))
+    told = books.view.traffic.sent_since(end - 0.99 * WINDOW)
+    load = sum(amount * copies for _, (amount, copies), _ in told)
     assert load == pytest.approx(1.5 * books.allowed, abs=cost)
 
 
 def test_where_robots_share_no_limit_nothing_that_they_tell_is_load(make_books):
     """They may tell as much as they like."""
     books = make_books(private=True)
+    books.budget.follow(0.0, splits=False, quiet=False, begins=False, window=WINDOW, tight=True)
     books.account.heard_digest(3.0, 10_000)
     assert not books.view.traffic.sends
 
