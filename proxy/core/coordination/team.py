@@ -143,7 +143,6 @@ class Team:
         sending = {stream.robot for stream in competing} | _unheard(view)
         self.sharers = self.members if self.large else self._find_senders()
         share, by_turns = announcing(now), _would_go_by_turns(now, competing, self.sharing, limits)
-        self.tight = share > TUNING.affordable
         dear = share > still * (TUNING.affordable_turns if by_turns else TUNING.affordable)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
@@ -155,6 +154,7 @@ class Team:
         self._look_at_rhythms(now, limits, waiting)
         # Who has just been met may send before it can say so.
         self.must_announce = heeded and (self.rivals or bool(view.newcomers.met_lately(now)))
+        self.tight = self.rivals and share > TUNING.affordable
         if not self.rivals or math.isinf(window):
             self.votes_to_split = self.strict
             return

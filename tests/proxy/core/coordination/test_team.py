@@ -54,6 +54,13 @@ def test_announcements_may_cost_more_where_messages_are_larger_than_an_equal_par
         assert team.coordination.team.tight is (announcing * affordable > TUNING.affordable)
 
 
+def test_where_only_one_robot_has_something_to_send_no_announcement_is_missed(make_team):
+    """It announces nothing, so the allowance is enough for what it tells."""
+    team = make_team(send=1)
+    team.look(announcing=2.0)
+    assert not team.coordination.team.tight
+
+
 def test_who_has_nothing_to_send_does_not_ask_for_a_split(make_team):
     """An operator hears digests behind the frames that it gets; that they are late harms nobody."""
     team = make_team(send=0)
