@@ -93,7 +93,7 @@ class Besieged:
         assert core.coordination.team._votes <= taking_part
         assert core.wake_at(self.now) >= self.now
         honest = view.peers[HONEST[:8]]
-        assert (honest.name, honest.keys, honest.subscriptions) == ("honest", {1: KEY}, ("robot/*/camera",))
+        assert (honest.name, honest.keys, honest.state.subscriptions) == ("honest", {1: KEY}, ("robot/*/camera",))
         stream = view.streams.known(honest.robot, KEY)
         assert stream is not None
         assert stream.generated == self.generated
