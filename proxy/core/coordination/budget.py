@@ -206,7 +206,8 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        others = self._sent_by_others(now, since, words=_all_fit(now, self._view, self.limits))
+        words = self._view.traffic.words_at >= since and _all_fit(now, self._view, self.limits)
+        others = self._sent_by_others(now, since, words=words)
         return Limits(self.usable(now), tuple(self.own.since(since)), others, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:

@@ -1,5 +1,6 @@
 """What goes on the air: how much this robot sent in all, and when other robots sent how much."""
 
+import math
 from collections import deque
 
 from proxy.core.model.limits import Limit
@@ -24,6 +25,8 @@ class TrafficLog:
         """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[Entry] = deque(maxlen=TUNING.sends)
         self.revision = 0
+        self.words_at = -math.inf
+        """When robots told each other more than they may last [s]."""
         self.noted, self.retracted = 0, 0
         """How many sends of others were noted so far, and how many of them turned out to be none."""
 
@@ -59,6 +62,7 @@ class TrafficLog:
 
     def note_words(self, at: float, size: int, copies: int) -> None:
         """Robots tell so much [B], in so many copies, while it is more than they may: limits leave no room for it."""
+        self.words_at = at
         self.note_unknown(at, size, WORDS, copies)
 
     def retract(self, entry: Entry) -> None:
