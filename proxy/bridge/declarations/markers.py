@@ -3,8 +3,8 @@
 Zenoh sends what is declared before all samples that wait, on every link. So who hears a marker has been told
 everything that its sender had been told, or had declared itself, before it sent the marker.
 
-A marker that the link does not take within a millisecond is lost (1 of 1,000 on a machine with twice as much to do as it
-can): nothing may wait for one without an end.
+A marker that the link does not take within a millisecond is lost (1 of 1,000 where twice as much is to be done as the
+machine can): nothing may wait for one without an end.
 """
 
 import secrets
