@@ -64,10 +64,8 @@ class MeshNews:
             return []
         self._parts.gossip.account.heard_state(event.now, event.state, event.size)
         self._parts.coordination.heard(event.now, event.state)
-        warned, subscriptions = (
-            transport_warnings(self._parts.settings, self._parts.view.peers),
-            peer.state.subscriptions,
-        )
+        warned = transport_warnings(self._parts.settings, self._parts.view.peers)
+        subscriptions = peer.state.subscriptions
         if self._parts.view.heard_state(event.now, event.state):
             self._parts.mismatched.heard_state(name)
             self._parts.gossip.requests.compare(event.now, name, peer)
