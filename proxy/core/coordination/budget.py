@@ -261,12 +261,12 @@ def using(budget: Budget, now: float) -> float:
     return max((budget.used(now, k) / budget.whole(now, k) for k in shared), default=0.0)
 
 
-def grew(budget: Budget, now: float) -> float:
-    """Return when a window was left last by a send that changes plans [s]; −∞ where none was."""
+def grew(budget: Budget, now: float, ahead: float = 0.0) -> float:
+    """Return when a send that changes plans leaves a window last, up to so far `ahead` [s]; −∞ where none does."""
     longest = longest_window(limit for limit in budget.limits if limit.shared)
     last: dict[tuple[float, ...], float] = {}
     for t, use in (*budget.own, *budget.others(now)):
-        if t + longest <= now:
+        if t + longest <= now + ahead:
             last[use] = max(t + longest, last.get(use, -math.inf))
     return max((left for use, left in last.items() if changes_plans(use, budget.limits)), default=-math.inf)
 

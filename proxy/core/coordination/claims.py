@@ -35,7 +35,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Standing
-from proxy.core.model.limits import Limit, changes_plans, use_of
+from proxy.core.model.limits import Limit, changes_plans, longest_window, use_of
 from proxy.core.view.stream import Stream, excess
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import initial
@@ -76,7 +76,7 @@ class Claims:
         now: float,
         stream: Stream,
         limits: tuple[Limit, ...],
-        grew: Callable[[float], float],
+        grew: Callable[[float, float], float],
         free: Sequence[float],
         *,
         agreed: bool,
@@ -84,16 +84,19 @@ class Claims:
         """Return what samples of others with a better claim than ours use that may be sent now; none if all `agreed`.
 
         And until when at least, as far as they are not heard of [s]. The best of them may have waited until the room
-        last `grew`; each may have given way to those before it until it was known what became of them. All but the
-        best send nothing that finds no room in what is `free`.
+        `grew`, or wait until it soon does, when it cannot have heard of us: eight robots with cameras had 1 % of the
+        windows over the limit without that, and 0.4 so (no loss, 20 ms). Each may have given way to those before it
+        until it was known what became of them. All but the best send nothing that finds no room in what is `free`.
         """
         claims = [] if agreed else self._of_others(now, stream, limits)
         claims = [(theirs, each) for theirs, each in claims if self._pays(each)]
         taken, until = self._taken_by_new(now, stream, limits), math.inf
         if not claims:
             return taken, until
-        ours = claim(now, stream) if self._pays(stream) else NOBODY
-        news, opened = news_take(self._view), grew(now)
+        ours, news = claim(now, stream) if self._pays(stream) else NOBODY, news_take(self._view)
+        if ours != NOBODY and _in_vain(now, stream, ours, claims, longest_window(limits) + news):
+            return taken, until
+        opened = grew(now, news)
         if self._is_late(now, stream, opened if all(theirs < ours for theirs, _ in claims) else -math.inf):
             ours = NOBODY
         better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
@@ -179,6 +182,22 @@ class Claims:
 def opening(view: SharedView) -> float:
     """Return how much later than it seems room opens that others leave [s]: how long news take is not known better."""
     return TUNING.opening_part * view.staleness.longest_way
+
+
+def _in_vain(now: float, stream: Stream, ours: Claim, claims: Sequence[tuple[Claim, Stream]], after: float) -> bool:
+    """Whether those with a better claim are given way to in vain: so long `after` the last large sample [s] none came.
+
+    Who missed the news of one takes its robot for the next, and all others take him for that: eight robots with cameras
+    sent nothing large for up to 2.8 s so where 1 % of the digests was lost, and 5 s with 30 %; now it is about one. Who
+    has fewest before him goes first, of those alike the first by name.
+    """
+    better = [each for theirs, each in claims if theirs > ours]
+    last = max((each.sent.t_sent for each in (stream, *(each for _, each in claims)) if each.sent), default=math.inf)
+    if not better or now <= last + after:
+        return False
+    robots = sorted({stream.robot, *(each.robot for _, each in claims)})
+    before = len(better) + robots.index(stream.robot) / len(robots)
+    return now > last + after + TUNING.in_vain * before * max(each.schedule.period for each in better)
 
 
 def _due(now: float, stream: Stream, news: float) -> float:

@@ -266,6 +266,7 @@ def test_room_grew_last_when_a_large_send_left_the_window(make_budget):
     assert grew(budget, 1.9) == -math.inf
     assert grew(budget, 2.1) == pytest.approx(2.0)
     assert grew(budget, 2.5) == pytest.approx(2.2)
+    assert grew(budget, 1.9, 0.1) == pytest.approx(2.0)
 
 
 def test_a_little_is_ours_whatever_others_say(make_budget):

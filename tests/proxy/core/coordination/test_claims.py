@@ -44,7 +44,8 @@ def judged(view, now, *, grew=-math.inf, agreed=False, free=math.inf):
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(now, limits, alone=False)
     stream = view.streams.known("r1", "robot/r1/camera")
-    return Claims(view, disputes).rivals(now, stream, limits, lambda _: grew, (free,), agreed=agreed)
+    grows = grew if callable(grew) else lambda *_: grew
+    return Claims(view, disputes).rivals(now, stream, limits, grows, (free,), agreed=agreed)
 
 
 def generated(view, t):
@@ -251,11 +252,11 @@ def test_of_two_that_are_as_long_silent_one_leads(view):
     """Though what each knows of the other is off by a bit: clocks and the wire round."""
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
     disputes.advance(10.0, limits, alone=False)
-    sent(view, "r1", 9.0)
-    sent(view, "r2", 9.0 + 0.5 * TUNING.claim_tolerance)
+    sent(view, "r1", 9.5)
+    sent(view, "r2", 9.5 + 0.5 * TUNING.claim_tolerance)
     assert not Claims(view, disputes).lead(10.0, view.streams.known("r1", "robot/r1/camera"), limits)
     assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
-    view.traffic.note_sent(view.streams.known("r2", "robot/r2/camera"), 2, Sent(9.1, 9.1, SIZE, 1.0))
+    view.traffic.note_sent(view.streams.known("r2", "robot/r2/camera"), 2, Sent(9.6, 9.6, SIZE, 1.0))
     assert Claims(view, disputes).lead(10.0, view.streams.known("r1", "robot/r1/camera"), limits)
 
 
@@ -336,7 +337,7 @@ def test_a_contested_stream_does_not_wait_for_a_priced_one(view, monkeypatch, ou
     sent(view, "r2", 9.0)
     now = 10.0 + 0.5 * TUNING.deciding
     expected, claims = 0.0 if ours is Standing.CONTESTED else SIZE, Claims(view, disputes)
-    assert claims.rivals(now, stream, limits, lambda _: -math.inf, (math.inf,), agreed=False)[0] == (expected,)
+    assert claims.rivals(now, stream, limits, lambda *_: -math.inf, (math.inf,), agreed=False)[0] == (expected,)
     assert claims.lead(now, stream, limits) is (ours is Standing.CONTESTED)
 
 
@@ -348,6 +349,49 @@ def test_the_best_claim_may_have_waited_for_the_room_that_opened(view):
     assert taken(view, now) == (0.0,)
     assert taken(view, now, grew=now - 0.5 * TUNING.deciding) == (SIZE,)
     assert taken(view, now, grew=now - 2.0 * news_take(view)) == (0.0,)
+
+
+def test_the_best_claim_takes_room_that_opens_before_it_hears_of_us(view):
+    """It waits for it; lesser ones do not, nor does it wait for room that opens later."""
+    sent(view, "r1", 9.5)
+    sent(view, "r2", 9.0)
+    asked = []
+
+    def opens_at(t):
+        return lambda now, ahead: asked.append(now + ahead) or (t if t <= now + ahead else -math.inf)
+
+    assert judged(view, 10.05, grew=opens_at(10.05 + 0.9 * news_take(view)))[0] == (SIZE,)
+    assert judged(view, 10.05, grew=opens_at(10.05 + 1.1 * news_take(view)))[0] == (0.0,)
+    assert asked == [pytest.approx(10.05 + news_take(view))] * 2
+
+
+def test_nobody_gives_way_for_ever_to_who_sends_nothing_with_all_the_room(view):
+    """It takes another one for the next, of whom it lacks the news; nor does who is worth less than its room go."""
+    sent(view, "r2", 8.5)
+    sent(view, "r1", 9.0)
+    empty = 9.0 + limits_of(view.specs, 0.02, 2)[0].window + news_take(view)
+    in_vain = empty + TUNING.in_vain * PERIOD
+    for now, expected in ((in_vain - 0.01, SIZE), (in_vain + 0.01, 0.0)):
+        known = view.streams.known("r2", "robot/r2/camera")
+        known.note_generated(known.generated + 1, Generated(now - 0.5 * TUNING.deciding, SIZE, 1.0))
+        assert taken(view, now) == (expected,)
+
+
+def test_of_those_who_give_way_in_vain_one_goes_first(view):
+    """The first by name where both have as many before them: else both would send at once."""
+    sent(view, "r1", 8.5)
+    sent(view, "r2", 9.0)
+    limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
+    disputes.advance(10.0, limits, alone=False)
+    empty = 9.0 + limits[0].window + news_take(view)
+    now = empty + 1.25 * TUNING.in_vain * PERIOD
+    for robot, other, expected in (("r1", "r2", 0.0), ("r2", "r1", SIZE)):
+        ours, theirs = (view.streams.known(name, f"robot/{name}/camera") for name in (robot, other))
+        theirs.note_generated(theirs.generated + 1, Generated(now - 0.5 * TUNING.deciding, SIZE, 1.0))
+        theirs.sent = Sent(8.0, 8.0, SIZE, 1.0)
+        ours.sent = Sent(9.0, 9.0, SIZE, 1.0)
+        asked = Claims(view, disputes).rivals(now, ours, limits, lambda *_: -math.inf, (math.inf,), agreed=False)
+        assert asked[0] == (expected,)
 
 
 def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view):
