@@ -94,9 +94,9 @@ class Claims:
         if not claims:
             return taken, until
         ours, news = claim(now, stream) if self._pays(stream) else NOBODY, news_take(self._view)
-        if ours != NOBODY and _in_vain(now, stream, ours, claims, longest_window(limits) + news):
+        opened, longest = grew(now, news), longest_window(limits)
+        if ours != NOBODY and _in_vain(now, stream, ours, claims, longest + news) and now > grew(now, longest) + news:
             return taken, until
-        opened = grew(now, news)
         if self._is_late(now, stream, opened if all(theirs < ours for theirs, _ in claims) else -math.inf):
             ours = NOBODY
         better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
@@ -185,7 +185,7 @@ def opening(view: SharedView) -> float:
 
 
 def _in_vain(now: float, stream: Stream, ours: Claim, claims: Sequence[tuple[Claim, Stream]], after: float) -> bool:
-    """Whether those with a better claim are given way to in vain: so long `after` the last large sample [s] none came.
+    """Whether those with a better claim are given way to in vain: so long `after` the last sample [s] no other came.
 
     Who missed the news of one takes its robot for the next, and all others take him for that: eight robots with cameras
     sent nothing large for up to 2.8 s so where 1 % of the digests was lost, and 5 s with 30 %; now it is about one. Who
