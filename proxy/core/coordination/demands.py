@@ -10,7 +10,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.standing import interval_of, variance_of
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.bid import Bid
-from proxy.core.split.demand import Demand, bid_for
+from proxy.core.split.demand import Demand, bid_for, usual_message
 from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
@@ -18,12 +18,18 @@ from proxy.core.view.view import SharedView
 
 def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
     """Return what our streams ask for of the shared limit that they need most of."""
+    window = max((limit.window for limit in limits if limit.shared), default=1.0)
+    return bid_for(_demands(view, now, limits, window), window, view.members.speaking + 1)
+
+
+def usual(view: SharedView, now: float, limits: Sequence[Limit]) -> int:
+    """Return what a usual message takes of a shared limit [units], of our smallest large stream; 0: none is large."""
+    window = max((limit.window for limit in limits if limit.shared), default=1.0)
+    return usual_message(_demands(view, now, limits, window), view.members.speaking + 1)
+
+
+def _demands(view: SharedView, now: float, limits: Sequence[Limit], window: float) -> Iterator[Demand]:
     shared = tuple(limit for limit in limits if limit.shared)
-    window = max((limit.window for limit in shared), default=1.0)
-    return bid_for(_demands(view, now, shared, window), window, view.members.speaking + 1)
-
-
-def _demands(view: SharedView, now: float, shared: tuple[Limit, ...], window: float) -> Iterator[Demand]:
     for stream in view.streams.own():
         if not view.contention.competes(now, stream) or _late(view, stream, audience := view.audiences.of(now, stream)):
             continue

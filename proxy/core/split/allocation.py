@@ -39,10 +39,9 @@ class Allocation:
         """All of it together [units]."""
         return sum(self.parts.values()) + sum(slot.size for slot in self.slots)
 
-    def carries(self, tag: str, bid: Bid) -> bool:
-        """Whether the smallest message that a robot asks to have served whole fits what it has."""
-        least = min((segment.amount for segment in bid if segment.quarters), default=0)
-        return self.largest(tag) >= _needed(least)
+    def carries(self, tag: str, amount: int) -> bool:
+        """Whether a message that takes so much of a limit fits what a robot has [units]."""
+        return self.largest(tag) >= _needed(amount)
 
     def worth(self, bids: Mapping[str, Bid]) -> float:
         """Return what slots are worth to all together [utility/s], for a robot's own judgement: to no last bit."""
@@ -73,10 +72,13 @@ def worth_of_equal(bids: Mapping[str, Bid]) -> float:
 
 
 def _worth(bid: Bid, room: float, largest: float) -> float:
-    """Return what slots are worth to a robot with so much room in the mean, but no messages beyond the `largest`."""
+    """Return what slots are worth to a robot with so much room in the mean, but no messages beyond the `largest`.
+
+    What it asks for is larger than most messages, so nearly as much does.
+    """
     total = 0.0
     for segment in bid:
-        if segment.quarters and _needed(segment.amount) > largest:
+        if segment.quarters and (1.0 - TUNING.alike_part) * _needed(segment.amount) > largest:
             continue
         served = min(segment.asked, room)
         room -= served

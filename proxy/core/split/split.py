@@ -13,10 +13,13 @@ from proxy.core.split.tuning import TUNING
 from proxy.core.split.turns import Turn
 
 
-def worthwhile(agreement: Agreement, bid: Bid) -> bool:
-    """Whether our bid should be this one from now on, as an agreement on it is worth it."""
+def worthwhile(agreement: Agreement, bid: Bid, usual: int) -> bool:
+    """Whether our bid should be this one from now on, as an agreement on it is worth it.
+
+    A `usual` large message of ours takes so much [units].
+    """
     same = alike(agreement.bid[1], bid) or indifferent(agreement, bid)
-    return not same or starves(agreement, bid)
+    return not same or starves(agreement, bid, usual)
 
 
 def outdoes_equal(agreement: Agreement) -> bool:
@@ -40,13 +43,17 @@ def indifferent(agreement: Agreement, bid: Bid) -> bool:
     return allocation.worth(bids) < (1.0 + TUNING.slot_gain) * had.worth(bids)
 
 
-def starves(agreement: Agreement, bid: Bid) -> bool:
-    """Whether no message fits what we have, though one would with this bid (one of four robots was silent for 12 s)."""
+def starves(agreement: Agreement, bid: Bid, usual: int) -> bool:
+    """Whether a `usual` message does not fit what we have, though it would with this bid.
+
+    One of four robots was silent for 12 s. What we ask for is larger than most messages, and is a little more now and
+    then: of eight robots three asked anew each time, and all of them had next to nothing until they agreed.
+    """
     newest = agreement.log.newest
-    if newest.allocation.carries(agreement.own, bid):
+    if newest.allocation.carries(agreement.own, usual):
         return False
     bids = _bids_with(agreement, bid)
-    return bids is not None and newest.allocated(bids).carries(agreement.own, bid)
+    return bids is not None and newest.allocated(bids).carries(agreement.own, usual)
 
 
 def _bids_with(agreement: Agreement, bid: Bid) -> dict[str, Bid] | None:
@@ -103,12 +110,15 @@ class Split:
         self.agreement.set_members(now, tags)
         self._settle(now)
 
-    def bid(self, now: float, bid: Bid) -> bool:
-        """Ask for this from now on, if it differs enough and it is time; return whether we do."""
+    def bid(self, now: float, bid: Bid, *, usual: int = 0) -> bool:
+        """Ask for this from now on, if it differs enough and it is time; return whether we do.
+
+        A `usual` large message takes so much [units].
+        """
         agreement = self.agreement
         if agreement.silent and any(not segment.quarters or segment.amount <= agreement.equal for segment in bid):
             return False
-        if not self._may_bid(now) or not worthwhile(agreement, bid):
+        if not self._may_bid(now) or not worthwhile(agreement, bid, usual):
             return False
         self._bid_at = now
         agreement.ask(now, bid)

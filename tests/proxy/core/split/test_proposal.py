@@ -1,5 +1,7 @@
 """Which bids are worth an agreement."""
 
+import pytest
+
 from proxy.core.protocol.bid import Segment
 from proxy.core.split.split import indifferent, outdoes_equal
 from proxy.core.split.tuning import TUNING
@@ -21,6 +23,18 @@ def test_all_agree_on_other_slots_where_that_is_worth_it():
         assert dict(a.log.newest.allocated({"a": frames(level), "b": frames(100)}).slots[0].ring) == ring
         assert indifferent(a, frames(level))
     assert not indifferent(a, frames(110))
+
+
+def test_slots_that_are_a_bit_smaller_than_what_is_asked_for_are_worth_something():
+    """Most messages fit them: it is the largest that are asked for."""
+    a, b = robot("a", "b"), robot("b", "a")
+    for each in (a, b):
+        each.ask(0.0, (Segment(6000, 100, 2),))
+    agree(0.1, a, b)
+    had, usual = a.log.newest.allocation, b.bid[1]
+    worth = had.worth({"a": usual, "b": usual})
+    assert had.worth({"a": (Segment(6500, 100, 2),), "b": usual}) > worth
+    assert had.worth({"a": (Segment(7000, 100, 2),), "b": usual}) == pytest.approx(worth / 2.0)
 
 
 def test_a_larger_message_is_asked_for_though_all_together_gain_little():
