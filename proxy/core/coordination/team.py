@@ -256,9 +256,13 @@ def _would_go_by_turns(now: float, streams: Collection[Stream], robots: int, lim
 
 def words_take_long(view: SharedView, robots: int) -> bool:
     """Whether it takes long until each of so many robots has said a word to every other, within their allowance."""
+    return words_take(view, robots) > TUNING.slow_words
+
+
+def words_take(view: SharedView, robots: int) -> float:
+    """Return how long it takes until each of so many robots has said a word to every other [s]."""
     words = robots if is_broadcast(view.settings.transport) else robots * (robots - 1)
-    told = allowance_of(view.specs, view.settings.allowance, robots)
-    return words * TUNING.word_size > TUNING.slow_words * told
+    return words * TUNING.word_size / allowance_of(view.specs, view.settings.allowance, robots)
 
 
 def _unheard(view: SharedView) -> set[str]:

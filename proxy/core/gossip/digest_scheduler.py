@@ -174,7 +174,8 @@ class DigestScheduler:
         if not self._coordination.formation.established:
             return self._budget.due_ahead(now, TUNING.first_parts_debt)
         exchange = self._coordination.exchange
-        since = -math.inf if exchange is not None and exchange.passes_on else self._parts_since
+        at_once = exchange is not None and (exchange.passes_on or exchange.asks)
+        since = -math.inf if at_once else self._parts_since
         return self._budget.due_in_turn(now, since, TUNING.parts_debt, self._account.digest_copies)
 
     @property

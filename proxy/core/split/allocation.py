@@ -43,9 +43,12 @@ class Allocation:
         """Whether a message that takes so much of a limit fits what a robot has [units]."""
         return self.largest(tag) >= _needed(amount)
 
-    def worth(self, bids: Mapping[str, Bid]) -> float:
-        """Return what slots are worth to all together [utility/s], for a robot's own judgement: to no last bit."""
-        return sum(_worth(bid, self.mean(tag), self.largest(tag)) for tag, bid in bids.items())
+    def worth(self, bids: Mapping[str, Bid], *, divisible: bool = False) -> float:
+        """Return what slots are worth to all together [utility/s], for a robot's own judgement: to no last bit.
+
+        And what `divisible` room is worth to them, if that is to count.
+        """
+        return sum(_worth(bid, self.mean(tag), self.largest(tag), divisible=divisible) for tag, bid in bids.items())
 
     def largest(self, tag: str) -> int:
         """Return the largest message that a robot may send at some time [units]."""
@@ -71,7 +74,7 @@ def worth_of_equal(bids: Mapping[str, Bid]) -> float:
     return sum(_worth(bid, UNIT / len(bids), UNIT) for bid in bids.values())
 
 
-def _worth(bid: Bid, room: float, largest: float) -> float:
+def _worth(bid: Bid, room: float, largest: float, *, divisible: bool = False) -> float:
     """Return what slots are worth to a robot with so much room in the mean, but no messages beyond the `largest`.
 
     What it asks for is larger than most messages, so nearly as much does.
@@ -82,7 +85,7 @@ def _worth(bid: Bid, room: float, largest: float) -> float:
             continue
         served = min(segment.asked, room)
         room -= served
-        if segment.quarters:
+        if segment.quarters or divisible:
             total += served * density_of(segment.level)
     return total
 

@@ -78,6 +78,11 @@ class Exchange:
             return len(agreement.members) > 1
         return last.version != agreement.bid[0] or (newest.complete and last.table != newest.name)
 
+    @property
+    def asks(self) -> bool:
+        """Whether our bid is another one than what we announced last."""
+        return self._last is not None and self._last.version != self._agreement.bid[0]
+
     def begin(self) -> None:
         """From now on digests announce parts; what was announced while the team split before was long ago."""
         self._last = None

@@ -38,10 +38,11 @@ class Robot:
             for count in range(9):
                 stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
 
-    def look(self, *, waiting=0.0, announcing=0.0, using=0.0):
+    def look(self, *, waiting=0.0, announcing=0.0, using=0.0, words=0.0):
+        """Look again; what is told of parts can go after so long, `words`."""
         self.now += TUNING.interval
         return self.coordination.advance(
-            self.now, self.limits, waiting, lambda _: announcing, lambda _: using, passes_at=lambda now: now
+            self.now, self.limits, waiting, lambda _: announcing, lambda _: using, passes_at=lambda now: now + words
         )
 
     def say(self, peer, **digest):

@@ -88,6 +88,24 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     assert 0.0 < team.coordination.part(team.now, 0) < 0.5 * equal
 
 
+def test_who_cannot_tell_another_bid_yet_asks_for_nothing_else(make_team):
+    """Its table would be pending until it can, and the others would bid before they hear of it."""
+    team = make_team(("p1",))
+    team.look(waiting=99.0)
+    team.say("p1", splits=True, split=SplitReport(1, (Segment(4_000, 100),), 1, 0))
+    team.coordination.announced(team.now, ours := team.coordination.announcement(team.now))
+    team.say("p1", splits=True, split=SplitReport(1, None, ours.table, 0))
+    agreement = team.coordination.split_in_force.agreement
+    assert agreement.formed
+    assert not agreement.pending
+    for count in range(40):
+        for stream in team.view.streams.own():
+            stream.note_generated(stream.generated + 1, Generated(team.now, 50_000, 50.0))
+        team.look(waiting=99.0, words=5.0 if count < 39 else 0.0)
+        assert agreement.bid[0] == ours.version or count == 39
+    assert agreement.bid[0] > ours.version
+
+
 def test_parts_are_agreed_on_by_states_as_by_digests(make_team):
     """In any order; a vote counts that comes with news, not one of the time when a whole state was told."""
     team = make_team(("p1",))

@@ -44,6 +44,19 @@ def test_agreeing_takes_two_digests_of_each_robot():
     assert not any(split.exchange.has_news(0.3) for split in splits.values())
 
 
+def test_who_asks_anew_has_not_to_wait_for_a_turn_as_who_answers():
+    """It asks until that is told; the first bids of all are no such thing."""
+    splits = team_of("ab")
+    assert not splits["a"].exchange.asks
+    for tag in "abab":
+        say(splits, 0.1, tag)
+    splits["a"].bid(60.0, (Segment(9000, 170),))
+    assert splits["a"].exchange.asks
+    say(splits, 60.1, "a")
+    assert not splits["a"].exchange.asks
+    assert not splits["b"].exchange.asks
+
+
 def test_what_is_news_is_told_twice_where_all_hear_one_digest():
     """Once more soon after, and not a third time."""
     splits = team_of("ab", twice=True)
