@@ -48,7 +48,7 @@ class Announcements:
 
     def passes_at(self, now: float) -> float:
         """When it could be told that a slot is passed on [s]."""
-        return self._budget.due_ahead(now, TUNING.parts_debt)
+        return self._budget.due_with_parts(now, TUNING.parts_debt)
 
     def changes_plans(self, size: int, copies: int = 1) -> bool:
         """Whether a message of so many bytes, in so many copies, changes what others plan."""

@@ -125,8 +125,8 @@ class DigestBudget:
         self._robots, self._copies, self._follows = 1, 1, False
         self._saved, self._splits, self._quiet, self._window = saved, False, False, 0.0
         self._tight = False
-        self._recent = RecentBytes()
-        """What all told in the last window."""
+        self._recent, self._recent_at = RecentBytes(), now
+        """What all told in the last window, and when anybody told anything last [s]."""
         self._common = 0.0
         """What is left of the allowance of all [B]."""
         self._own = MODEL.least_allowance
@@ -229,6 +229,14 @@ class DigestBudget:
         longest = TUNING.deepest_debt + self._patience_ends(self._brief * self._copies)
         return max(now, min(self._paid_ahead(now, seconds), longest))
 
+    def due_with_parts(self, now: float, seconds: float) -> float:
+        """The same for news of parts, which a part of the allowance is left to while debts are paid [s]."""
+        return max(now, min(self.due_ahead(now, seconds), self._beside_debts(self._brief * self._copies)))
+
+    def _beside_debts(self, cost: float) -> float:
+        """When so much is told beside debts that are paid [s]: some time after anybody told anything, each another."""
+        return self._recent_at + (1.0 / TUNING.parts_in_debt + self._turn) * cost / self.rate
+
     def due_soon(self, now: float) -> float:
         """When urgent news may go that spends nothing ahead of time, nor what is saved for the beginning [s]."""
         return self._paid_ahead(now, -self._saved)
@@ -238,10 +246,11 @@ class DigestBudget:
 
         In turn: ten robots that answered a new bid at once had 9 % of the windows over the limit, and have none.
         """
-        takes = self._robots * self._brief * copies / self.rate
+        cost = self._brief * copies
+        takes = self._robots * cost / self.rate
         turn = since + self._turn * TUNING.answers * takes if takes > self._window else now
-        cost = self._size * copies
-        room = max(self._paid_ahead(now, seconds * (1.0 - self._turn)), self._fits_at(now, cost))
+        paid = min(self._paid_ahead(now, seconds * (1.0 - self._turn)), self._beside_debts(cost))
+        room = max(paid, self._fits_at(now, cost))
         return max(now, min(room, self._patience_ends(cost)), turn)
 
     def _paid_ahead(self, now: float, seconds: float) -> float:
@@ -260,6 +269,7 @@ class DigestBudget:
         self.advance(now)
         cost = (size + TUNING.overhead) * max(1, copies)
         self._recent.add(now, cost)
+        self._recent_at = now
         return cost
 
     def _fits_at(self, now: float, cost: float) -> float:

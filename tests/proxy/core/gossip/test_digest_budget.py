@@ -255,6 +255,34 @@ def test_robots_with_news_of_parts_do_not_speak_at_one_moment():
     assert due == sorted(set(due))
 
 
+def test_news_of_parts_cost_what_such_news_take():
+    """However much the last digest took that told all: two in each window go beside it, not one in two."""
+    budget = budget_of(1000.0, robots=4)
+    budget.follow(0.0, splits=True, quiet=False, begins=False, window=0.5)
+    budget.sent(0.0, 150, 4)
+    budget.sent(0.0, 30, 4, announces=True)
+    assert budget.due_in_turn(10.0, -math.inf, 0.5, 4) == 10.0
+    budget.heard(10.0, 30, 4)
+    assert budget.due_in_turn(10.0, -math.inf, 0.5, 4) == 10.0
+
+
+def test_slots_are_passed_on_while_the_first_agreement_is_paid_for():
+    """Half of the allowance is left for that; else nobody would for as long as debts last."""
+    budget = budget_of(1000.0, robots=4)
+    budget.follow(0.0, splits=True, quiet=False, begins=False, window=0.5)
+    budget.sent(0.0, 40, 4, announces=True)
+    for _ in range(100):
+        budget.heard(0.0, 85, 1)
+    assert budget.due_ahead(0.0, 0.5) > 5.0
+    cost, told = (40 + OVERHEAD) * 4, [0.0]
+    while told[-1] < 4.0:
+        told.append(budget.due_with_parts(told[-1], 0.5))
+        assert budget.due_in_turn(told[-2], -math.inf, 0.5, 4) <= told[-1] + cost / 1000.0
+        budget.heard(told[-1], 40, 4)
+    rates = [cost / (later - earlier) for earlier, later in pairwise(told[1:])]
+    assert all(0.3 * 1000.0 < rate <= TUNING.parts_in_debt * 1000.0 + 1e-6 for rate in rates)
+
+
 def test_digests_that_go_to_all_at_once_are_paid_for_once():
     """On the air a newcomer has what one digest takes, not one for each robot."""
     spent = {}
