@@ -283,6 +283,30 @@ def test_who_agreed_with_one_that_gave_up_does_so_too_where_words_take_long(make
     assert team.coordination.team.gave_up is follows
 
 
+@pytest.mark.parametrize(
+    ("limit", "level", "gives_up"),
+    [("0.3 Mbit/s", 100, True), ("8 Mbit/s", 100, False), ("0.3 Mbit/s", 160, False)],
+    ids=["dear", "words are cheap", "one needs more"],
+)
+def test_slots_that_are_not_worth_the_words_to_pass_them_on_are_given_up_at_once(make_specs, limit, level, gives_up):
+    """All have the same table, and find so in the moment in which they agree on it."""
+    team = Robot(make_specs(limit, window=WINDOW), names(9), send=10)
+    while team.coordination.split_in_force is None or team.coordination.split_in_force.agreement.pending:
+        assert team.now < TUNING.agreement_time
+        for stream in team.view.streams:
+            stream.note_generated(stream.generated + 1, Generated(team.now, 1_000, 1.0))
+        team.look(announcing=1.1, using=1.0)
+        split = team.coordination.split_in_force
+        table = 0 if split is None else split.agreement.log.newest.name
+        for other in names(9):
+            most = level if other == "p00" else 100
+            bid = tuple(Segment(1500, most - less, quarters) for less, quarters in ((0, 1), (4, 1), (8, 2)))
+            team.say(other, split=SplitReport(1, bid, table, 0, (), 0.0, 0), splits=True)
+    assert len(team.coordination.split_in_force.agreement.turns) >= 4
+    team.look(announcing=1.1, using=1.0)
+    assert team.coordination.team.gave_up is gives_up
+
+
 def test_a_team_begins_by_a_split_until_a_robot_knows_how_often_its_samples_come(make_team):
     """For a second or two at most; meanwhile it asks for nothing, and tells nothing of parts."""
     team = make_team(send=0)
