@@ -63,9 +63,13 @@ class Inbox:
             heappop(wakes)
         return wakes[0][0] if wakes else math.inf
 
+    def of(self, key: str) -> list[Waiting]:
+        """Return all that waits of a key."""
+        return list(self._keys.get(key, {}).values())
+
     def put(self, new: Waiting) -> list[Evicted]:
         """Queue a sample; return those that had to leave for it (the new one may be among them)."""
-        gone = [self._evict(w, SUPERSEDED) for w in self._of(new.key) if new.markovian]
+        gone = [self._evict(w, SUPERSEDED) for w in self.of(new.key) if new.markovian]
         self._add(new)
         while (least := self._least(new.key)) is not None:
             gone.append(self._evict(least, OVERFLOW))
@@ -73,13 +77,13 @@ class Inbox:
 
     def full(self, new: Waiting) -> bool:
         """Whether one would have to leave for `new` because too many wait."""
-        same = 0 if new.markovian else len(self._of(new.key))
+        same = 0 if new.markovian else len(self.of(new.key))
         size = self._bytes + min(new.size, self._most_bytes / 2)
         return same >= self._backlog or len(self) >= self._capacity or size > self._most_bytes
 
     def supersede(self, key: str) -> list[Evicted]:
         """Remove what waits of a Markovian stream, because something newer came; return it."""
-        return [self._evict(w, SUPERSEDED) for w in self._of(key) if w.markovian]
+        return [self._evict(w, SUPERSEDED) for w in self.of(key) if w.markovian]
 
     def clear(self) -> list[Waiting]:
         """Remove and return all that waits."""
@@ -130,12 +134,9 @@ class Inbox:
                 heappush(self._order, at)
         return found
 
-    def _of(self, key: str) -> list[Waiting]:
-        return list(self._keys.get(key, {}).values())
-
     def _least(self, key: str) -> Waiting | None:
         """Return what has to leave: the least valuable of a key with too many, else the least per byte of all."""
-        same = self._of(key)
+        same = self.of(key)
         if len(same) > self._backlog:
             return min(same, key=lambda w: (w.scale, w.t_gen, w.sample))
         if len(self) > self._capacity or self._bytes > self._most_bytes:

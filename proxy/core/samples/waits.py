@@ -11,7 +11,7 @@ from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.appraisal import Appraisal
 from proxy.core.samples.followers import Followers
-from proxy.core.samples.inbox import Inbox
+from proxy.core.samples.inbox import Inbox, place
 from proxy.core.samples.tuning import TUNING
 from proxy.core.view.stream import Stream
 
@@ -49,11 +49,14 @@ class Waits:
         return bool(self._followers)
 
     def postpone(self, now: float, sample: Waiting) -> bool:
-        """Let a sample wait if there is a reason to; return whether it waits."""
+        """Let a sample wait if there is a reason to, or if an older one of its key does; return whether it waits."""
         stream = self._appraisal.stream_of(now, sample) if self._budget.limits else None
-        if stream is None or self._appraisal.mode_of(stream) is not Mode.ENFORCE:
-            return False
-        return self._for_others(now, stream, sample) or self._for_room(now, stream, sample)
+        waits = (
+            stream is not None
+            and self._appraisal.mode_of(stream) is Mode.ENFORCE
+            and (self._for_others(now, stream, sample) or self._for_room(now, stream, sample))
+        )
+        return waits or self._overtakes(sample)
 
     def give_way(self, now: float, stream: Stream, sample: Waiting, until: float) -> bool:
         """Put a sample back until others' sends are known, or then [s]; whether it waits, not too old or outdated."""
@@ -65,10 +68,14 @@ class Waits:
         free = self._channel_free(now, stream)
         return free > now and self._put_back(stream, sample, free)
 
+    def _overtakes(self, sample: Waiting) -> bool:
+        """Whether one of its key that came before it, and is no less urgent, waits and would go after it."""
+        same = self._inbox.of(sample.key)
+        return any(each.sample < sample.sample and place(each) < place(sample) for each in same)
+
     def _put_back(self, stream: Stream, sample: Waiting, until: float) -> bool:
         """Put a sample back into the inbox until then [s], unless a newer one is there or it is too old by then."""
-        newer = any(waiting.key == sample.key for waiting in self._inbox)
-        if newer or until > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
+        if self._inbox.of(sample.key) or until > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
             return False
         self._inbox.put_back([sample])
         self._inbox.rest(sample, until)
@@ -119,6 +126,8 @@ class Waits:
         opens = room if room <= until else -math.inf
         if contested or (priced and changes_plans(use, self._budget.limits)):
             opens = max(opens, self._turn(now, stream, leads=leads))
+        if not stream.information_type.markovian:
+            opens = min(opens, until)  # no newer one replaces it; after a freeze news are taken to take seconds
         if opens <= now:
             return False
         self._inbox.rest(sample, opens)

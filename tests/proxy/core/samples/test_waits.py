@@ -19,7 +19,17 @@ from tests.proxy.core.talk import only
 @pytest.fixture
 def rivals(make_talk, make_specs):
     """Two robots with cameras of 5 Hz that fill the limit twice; the other one's frame was due 5 ms ago."""
-    talk = make_talk(make_specs())
+    return meet(make_talk(make_specs()))
+
+
+@pytest.fixture
+def counted(make_aggregated):
+    """The same two, where each frame counts."""
+    return meet(make_aggregated("sum"))
+
+
+def meet(talk):
+    """Let the other robot be heard of."""
     talk.want(0.0)
     talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", OTHERS, ("robot/*/camera",), number=2)))
@@ -141,3 +151,29 @@ def test_a_large_sample_waits_for_what_somebody_who_was_just_met_sent_lately(mak
     (decide,) = only(commands)
     assert isinstance(decide, Decide)
     assert only(talk.answer(5.3, decide, send=True)) == [Forward(large)]
+
+
+def test_a_sample_does_not_overtake_one_of_its_key_that_gave_way(counted):
+    """Where each counts: it is decided behind it, however it stands itself."""
+    first, commands = counted.publish(8.2, size=4000)
+    assert only(counted.answer(8.2, *only(commands, Decide), send=True)) == []
+    second, commands = counted.publish(8.201, size=100)
+    assert only(commands) == []
+    commands = counted.tell(ev.TimePassed(8.2 + 1.1 * news_take(counted.core.view)))
+    assert decide_all(counted, 8.25, commands, send=True) == [Forward(first), Forward(second)]
+
+
+def test_where_news_take_seconds_no_sample_that_counts_waits_longer_than_its_patience(counted):
+    """As after a freeze: it is decided when it has waited for as long as the window of the limit."""
+    limit = replace(counted.core.budget.limits[0], limit=20_000.0, window=2.0)
+    counted.core.budget.set_limits((limit,))
+    counted.core.view.peers["zz-op"].outbound.latency = Latency(0.01, 1e-4)
+    counted.core.view.staleness.delay = 5.0
+    decide_all(counted, 8.1, counted.publish(8.1, size=4000)[1], send=True)
+    counted.core.view.streams.known("op", "robot/op/camera").note_generated(41, Generated(8.12, 4000, 3.0))
+    announce(counted, 8.15)
+    sample, commands = counted.publish(8.2, size=4000)
+    assert only(commands) == []
+    assert only(counted.tell(ev.TimePassed(10.19))) == []
+    commands = counted.tell(ev.TimePassed(10.21))
+    assert decide_all(counted, 10.21, commands, send=True) == [Forward(sample)]
