@@ -76,12 +76,13 @@ class Paced:
         return number, held
 
     def sent(self, now: float, air: int) -> None:
-        """A decided sample went."""
+        """A decided sample went; the next one makes up for a little by which it was late."""
         if self._rate is None:
             return
-        self._free_at = max(self._free_at, now) + air / self._rate
+        since = now - TUNING.made_up
+        self._free_at = max(self._free_at, since) + air / self._rate
         if self._is_small(air):
-            self._small_free_at = max(self._small_free_at, now) + air / self._rate
+            self._small_free_at = max(self._small_free_at, since) + air / self._rate
 
     def catch_up(self, now: float) -> None:
         """All that went has left: nobody need wait for it."""
