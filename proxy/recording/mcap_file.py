@@ -7,6 +7,7 @@ Messages are packed here, for a daemon records some thousand a second, and the l
 each; all other records are the library's. So this module needs the extra `record`.
 """
 
+import os
 import struct
 import zlib
 from collections import Counter, defaultdict
@@ -85,6 +86,11 @@ class McapFile:
     def size(self) -> int:
         """Bytes that the file has, and those that are in hand, before they are compressed."""
         return self._size + self._left + len(self._fresh) + len(self._pending)
+
+    @property
+    def deleted(self) -> bool:
+        """Whether nobody will find what is written, as somebody has removed the file."""
+        return os.fstat(self._file.fileno()).st_nlink == 0
 
     @property
     def pending(self) -> int:

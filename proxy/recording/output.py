@@ -134,7 +134,16 @@ class Output:
         return True
 
     def flush(self) -> None:
-        """Bring to the file what is in hand, and say there what is missing; ask for a head where it is full."""
+        """Bring to the file what is in hand, and say there what is missing; ask for a head where it is full.
+
+        A file that somebody has deleted is followed by another one: nobody would find it, and it would take room still.
+        """
+        if self._writer is not None and self._writer.file.deleted:
+            log.warning("recording: %s was deleted; another file begins", self.written.file)
+            self._end("deleted")
+            self._missing.follow(self._in_hand, "their file was deleted")
+            self.written, self._in_hand = self.written.lacking(self._in_hand.events), Missing()
+            self._retry_at = 0.0
         if self._missing or self._writer is None:
             self._recover()
         elif self._try(self._writer.flush):

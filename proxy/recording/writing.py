@@ -44,7 +44,7 @@ class RecordingWriter:
     """
 
     def __init__(self, path: Path, start: Start) -> None:
-        self._file = McapFile(path, PROFILE, f"sendworthy {start.version}".rstrip())
+        self.file = McapFile(path, PROFILE, f"sendworthy {start.version}".rstrip())
         self._offset = start.wall_offset
         self.channels: dict[str, int] = {}
         """The channel of each kind of entry, and of each key of payloads."""
@@ -56,12 +56,12 @@ class RecordingWriter:
     @property
     def size(self) -> int:
         """Bytes of the file so far, those in hand included."""
-        return self._file.size
+        return self.file.size
 
     @property
     def pending(self) -> int:
         """Bytes in hand, not compressed."""
-        return self._file.pending
+        return self.file.pending
 
     def specs(self, specs: SpecsText, now: float = 0.0) -> None:
         """Write specs, before the first event under them."""
@@ -73,7 +73,7 @@ class RecordingWriter:
         data = head.pop("data")
         channel = self.channels.get(SNAPSHOT)
         if channel is None:
-            channel = self.channels[SNAPSHOT] = self._file.channel(SNAPSHOT, "application/octet-stream", None, {})
+            channel = self.channels[SNAPSHOT] = self.file.channel(SNAPSHOT, "application/octet-stream", None, {})
         self._add(channel, snapshot.now, text(head).encode() + b"\n" + data)
 
     def happened(self, event: Event, commands: Sequence[Command | dict[str, Any]] = (), fault: str = "") -> None:
@@ -83,7 +83,7 @@ class RecordingWriter:
             data = text(_told(event, commands, fault)).encode()
         kind, number = type(event), self.number
         at = self._nanoseconds(event.now)
-        self._file.add(self._events.get(kind) or self._event_channel(kind), number, at, at, data)
+        self.file.add(self._events.get(kind) or self._event_channel(kind), number, at, at, data)
         self.number = number + 1
 
     def all_happened(self, events: Sequence[Event], followed: Sequence[Sequence[Command | dict[str, Any]]]) -> None:
@@ -96,7 +96,7 @@ class RecordingWriter:
         channels = [self._events.get(type(event)) or self._event_channel(type(event)) for event in events]
         offset = self._offset
         times = [max(0, int((event.now + offset) * 1e9)) for event in events]
-        self._file.add_all(channels, self.number, times, found)
+        self.file.add_all(channels, self.number, times, found)
         self.number += len(events)
 
     def traffic(self, traffic: Traffic) -> None:
@@ -112,10 +112,10 @@ class RecordingWriter:
         if channel is None:
             json_text = encoding in ("application/json", "text/json")
             told = {"key": payload.key, "encoding": encoding}
-            channel = self._file.channel(topic, "json" if json_text else "application/octet-stream", None, told)
+            channel = self.file.channel(topic, "json" if json_text else "application/octet-stream", None, told)
             self.channels[topic] = channel
         at = self._nanoseconds(now)
-        self._file.add(channel, payload.sample, at, at, payload.data)
+        self.file.add(channel, payload.sample, at, at, payload.data)
 
     def gap(self, gap: Gap, now: float) -> None:
         """Say what is missing; the next event is the one after it. Before the first one it says so in `first`."""
@@ -124,20 +124,20 @@ class RecordingWriter:
 
     def flush(self) -> None:
         """Bring to the file what is in hand."""
-        self._file.flush()
+        self.file.flush()
 
     def take_back(self) -> bool:
         """Give up the chunk that was written last, so that there is room for a word; whether there was one."""
-        return self._file.take_back()
+        return self.file.take_back()
 
     def close(self, reason: str, now: float = 0.0) -> None:
         """Write what is in hand, that the file ends here, and its summary."""
         self._entry(END, End(self.number, reason), now)
-        self._file.close()
+        self.file.close()
 
     def abandon(self) -> None:
         """Close the file as it is."""
-        self._file.abandon()
+        self.file.abandon()
 
     def __enter__(self) -> Self:
         return self
@@ -151,18 +151,18 @@ class RecordingWriter:
     def _entry(self, topic: str, entry: Any, now: float) -> None:
         channel = self.channels.get(topic)
         if channel is None:
-            channel = self._file.channel(topic, "json", _schema(_KINDS[topic], {}), {})
+            channel = self.file.channel(topic, "json", _schema(_KINDS[topic], {}), {})
             self.channels[topic] = channel
         self._add(channel, now, text(plain(entry)).encode())
 
     def _event_channel(self, kind: type[Event]) -> int:
-        channel = self._file.channel(EVENTS + kind.__name__, "json", _schema(kind, _EXTRA), {})
+        channel = self.file.channel(EVENTS + kind.__name__, "json", _schema(kind, _EXTRA), {})
         self._events[kind] = channel
         return channel
 
     def _add(self, channel: int, now: float, data: bytes) -> None:
         at = self._nanoseconds(now)
-        self._file.add(channel, self.number, at, at, data)
+        self.file.add(channel, self.number, at, at, data)
 
     def _nanoseconds(self, now: float) -> int:
         """Return the wall time of a time in the recording [ns]."""

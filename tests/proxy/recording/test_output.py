@@ -1,6 +1,7 @@
 """Writing one file after the other, and what is said where that cannot be done."""
 
 import resource
+import shutil
 from contextlib import contextmanager
 from dataclasses import replace
 from random import Random
@@ -204,6 +205,38 @@ def test_on_a_full_disk_the_recording_says_what_is_missing(output, tmp_path):
     found, problems = entries(files(tmp_path)[0])
     assert not problems
     assert covered(found) == (300, 149, [Gap(100, 151, 151, 150, "File too large", {"SamplePublished": 151})])
+
+
+def test_a_file_that_somebody_deletes_is_followed_by_another(output, tmp_path, caplog):
+    """Which begins with what the core knows, and says what was in hand. The folder may be gone, the disk was full."""
+    add(output, range(100))
+    output.flush()
+    with files_end_at(output.written.bytes):
+        add(output, range(100, 150))
+        output.flush()
+        assert output.written.problem == "File too large"
+    shutil.rmtree(tmp_path)
+    output.given = output.heads
+    output.flush()
+    headed(output, 150)
+    add(output, range(150, 160))
+    output.flush()
+    assert not output.written.problem
+    add(output, range(160, 200))
+    (second,) = files(tmp_path)
+    second.unlink()
+    output.flush()
+    add(output, range(200, 250))
+    output.close("stopped")
+    assert f"{second} was deleted; another file begins" in caplog.text
+    (third,) = files(tmp_path)
+    found, problems = entries(third)
+    assert not problems
+    assert [entry for entry in found if isinstance(entry, Gap)] == [
+        Gap(160, 40, 40, 0, "their file was deleted", {"SamplePublished": 40})
+    ]
+    assert [entry.number for entry in found if isinstance(entry, Happened)] == [*range(200, 250)]
+    assert (output.written.files, output.written.missing) == (3, 90)
 
 
 def test_other_programs_read_a_file_that_a_full_disk_cut(output, tmp_path):
