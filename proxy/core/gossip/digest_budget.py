@@ -114,6 +114,14 @@ GOLDEN = 0.618
 """Turns that move on by this part of a round are spread evenly, and two robots seldom have the same turn."""
 
 
+def _beside_debts(told_at: float, turn: float, takes: float) -> float:
+    """Return when is told what `takes` so long of the allowance, beside debts that are paid [s].
+
+    Some time after anybody told anything, each robot another, by its `turn`.
+    """
+    return told_at + (1.0 / TUNING.parts_in_debt + turn) * takes
+
+
 class DigestBudget:
     """Spends the allowance of this robot, at first what comes in `saved` [s]; each begins at another `turn`."""
 
@@ -231,11 +239,8 @@ class DigestBudget:
 
     def due_with_parts(self, now: float, seconds: float) -> float:
         """The same for news of parts, which a part of the allowance is left to while debts are paid [s]."""
-        return max(now, min(self.due_ahead(now, seconds), self._beside_debts(self._brief * self._copies)))
-
-    def _beside_debts(self, cost: float) -> float:
-        """When so much is told beside debts that are paid [s]: some time after anybody told anything, each another."""
-        return self._recent_at + (1.0 / TUNING.parts_in_debt + self._turn) * cost / self.rate
+        takes = self._brief * self._copies / self.rate
+        return max(now, min(self.due_ahead(now, seconds), _beside_debts(self._recent_at, self._turn, takes)))
 
     def due_soon(self, now: float) -> float:
         """When urgent news may go that spends nothing ahead of time, nor what is saved for the beginning [s]."""
@@ -249,7 +254,10 @@ class DigestBudget:
         cost = self._brief * copies
         takes = self._robots * cost / self.rate
         turn = since + self._turn * TUNING.answers * takes if takes > self._window else now
-        paid = min(self._paid_ahead(now, seconds * (1.0 - self._turn)), self._beside_debts(cost))
+        paid = min(
+            self._paid_ahead(now, seconds * (1.0 - self._turn)),
+            _beside_debts(self._recent_at, self._turn, cost / self.rate),
+        )
         room = max(paid, self._fits_at(now, cost))
         return max(now, min(room, self._patience_ends(cost)), turn)
 
