@@ -162,11 +162,11 @@ class DigestScheduler:
             due = max(due, now + TUNING.slowest_digest)
             tells = self._sent_much() or self._announcements.greets(now)
             return min(due, self._announcements.tells_at(now)) if tells else due
-        if self._sent_much():
-            return min(due, self._announcements.tells_at(now))
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
-        if self._parts_changed:
-            return min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
+        if self._parts_changed:  # though a sample waits to be announced, which may take longer
+            due = min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
+        if self._sent_much():
+            due = min(due, self._announcements.tells_at(now))
         return min(due, self._budget.due_soon(now)) if self.urgent and not coordination.team.splits else due
 
     def _parts_at(self, now: float) -> float:

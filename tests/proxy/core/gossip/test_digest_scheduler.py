@@ -254,6 +254,20 @@ def test_beside_parts_in_a_state_goes_a_first_digest():
     assert heard == [True] * 20
 
 
+def test_a_bid_does_not_wait_for_the_announcement_of_a_sample(make_talk):
+    """All wait for what each asks for, and announcements may not go as far ahead of the allowance."""
+    talk = make_talk(allowance=0.06)
+    camera = StreamState(1, "robot/op/camera", "camera", 0.26, size=1600)
+    talk.want(0.0)
+    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", (camera,), ("robot/*/camera",), number=1)))
+    talk.tell(ev.InterestChanged(0.0, ("robot/op/camera",)))
+    talk.tell(ev.DigestHeard(0.05, Digest("op", "zz-op", 0.05, state=1), 80_000))
+    for k in range(4):
+        talk.publish(0.1 + 0.26 * k, size=1600)
+    assert not any(digest.brief for digest in digests(talk, 0.1)), "nothing can be announced for some seconds"
+    assert any(told.state.split is not None and told.state.split.bid for told in talk.all(SendState))
+
+
 def test_where_digests_are_on_the_air_parts_are_told_in_them(make_talk):
     """There a copy of a state for each robot would take more."""
     talk = make_talk(transport=broadcast("224.0.0.1:1"), digests_on_air=True, allowance=0.5)
