@@ -183,7 +183,7 @@ def _specs_path(folder: Path, layers: Layers, problems: _Problems) -> Path:
     """Resolve `specs.path`. A file must exist; a folder may come later: until then there are no specs."""
     section = layers.values.get(SPECS[0])
     given = section.get(SPECS[1]) if isinstance(section, Mapping) else None
-    if not isinstance(given, str):
+    if not isinstance(given, str) or "\0" in given:
         return folder / SpecsConfig().path
     path = Path(given) if layers.origin(SPECS) else folder / given
     if path.suffix == ".toml" and not holds_specs(path) and not path.is_dir():

@@ -134,6 +134,8 @@ def path_text(value: object) -> object:
     """Return `value` if it can be a path; ValueError otherwise, in the words of the other settings."""
     if not isinstance(value, str | Path):
         raise ValueError(f"must be a string, not {described(value)}")  # noqa: TRY004 - pydantic wants ValueError
+    if "\0" in str(value):
+        raise ValueError("must be a path, which holds no zero byte")
     return value
 
 

@@ -249,6 +249,8 @@ BROKEN = {
     ),
     "into is no table": ("[bridge]\ninto = {}", '2: bridge.into: unknown key (did you mean "in"?)'),
     "specs missing": ('[specs]\npath = "none.toml"', "2: specs.path: none.toml does not exist"),
+    "specs no path": ('[specs]\npath = "a\\u0000b.toml"', "2: specs.path: must be a path, which holds no zero byte"),
+    "no folder": ('[record]\nfolder = "a\\u0000"', "2: record.folder: must be a path, which holds no zero byte"),
     "specs no text": ("[specs]\npath = false", "2: specs.path: must be a string, not false"),
     "specs no table": ("specs = false", "1: specs: must be a table, not false"),
     "zenoh no table": ("[mesh]\nzenoh = false", "2: mesh.zenoh: must be a table, not false"),
