@@ -108,6 +108,7 @@ class Split:
     def set_quiet(self, now: float, *, quiet: bool) -> None:
         """The team is too large to agree, or is not: we ask for nothing if any of our messages fits an equal part."""
         if self.agreement.set_quiet(now, quiet=quiet):
+            self._bid_at = -math.inf  # once all agree again each asks first: they agreed on no bids else
             self.exchange.restart()
             self._entitle(now)
 

@@ -337,6 +337,19 @@ def test_a_large_team_keeps_equal_parts_and_says_nothing():
     assert not split.agreement.silent
 
 
+def test_who_gave_up_asks_for_what_it_needs_as_soon_as_all_try_again():
+    """Else all agree that nobody asks for anything, and each has next to nothing until its turn to ask comes."""
+    flight = fleet(3)
+    quieten(flight)
+    for split in flight.splits.values():
+        split.set_quiet(flight.now, quiet=False)
+        assert split.agreement.pending
+        assert split.agreement.bid[1] == ()
+        assert split.bid(flight.now, SMALL)
+    settle(flight, 2.0)
+    assert all(split.agreement.formed for split in flight.splits.values())
+
+
 @some
 @given(seeds, st.integers(2, 6), st.sampled_from([0.02, 0.3]))
 def test_a_team_that_gets_large_has_equal_parts_soon_and_no_window_over_the_limit(seed, robots, delay):
