@@ -3,7 +3,6 @@
 import math
 from collections import deque
 from collections.abc import Callable, Collection, Iterator
-from statistics import median
 
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
@@ -195,7 +194,7 @@ class Team:
         robots: list[list[float]] = [[stream.sizes.mean for stream in self._view.streams.own()]]
         robots += [[each.size for each in peer.told.values()] for peer in self._others() if peer.told]
         counts = [sum(size >= TUNING.even_size * max(sizes) for size in sizes) for sizes in robots]
-        return median(counts)
+        return sum(counts) / len(counts)
 
     def _others(self) -> Iterator[Peer]:
         return (peer for name, peer in self._view.peers.items() if name in self.members)

@@ -386,17 +386,6 @@ def test_small_streams_beside_a_large_one_are_no_reason_for_equal_parts(make_tea
     assert team.coordination.team.quiet
 
 
-def test_most_robots_say_whether_all_have_several_streams(make_team):
-    """Not the mean: who has told of few of its own finds them, and would keep to an equal part that others wait for."""
-    team = make_team(names(4), send=5)
-    tell(team, names(4), 3)
-    team.look(announcing=99.0)
-    assert team.coordination.team.quiet
-    tell(team, names(3), 2)
-    team.look(announcing=99.0)
-    assert not team.coordination.team.quiet
-
-
 def tell(team, robots, streams, size=0, first=0):
     """The states of these robots have come, who have so many streams each, of such sizes."""
     for name in robots:
