@@ -1,5 +1,6 @@
 """Parts of a limit out of everybody's bids: a pure function that all robots compute alike."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -44,11 +45,12 @@ class Allocation:
         return self.largest(tag) >= _needed(amount)
 
     def worth(self, bids: Mapping[str, Bid], *, divisible: bool = False) -> float:
-        """Return what slots are worth to all together [utility/s], for a robot's own judgement: to no last bit.
+        """Return what slots are worth to all together [utility/s]: the same to the last bit, however bids are ordered.
 
         And what `divisible` room is worth to them, if that is to count.
         """
-        return sum(_worth(bid, self.mean(tag), self.largest(tag), divisible=divisible) for tag, bid in bids.items())
+        worth = (_worth(bid, self.mean(tag), self.largest(tag), divisible=divisible) for tag, bid in bids.items())
+        return math.fsum(worth)
 
     def largest(self, tag: str) -> int:
         """Return the largest message that a robot may send at some time [units]."""
@@ -71,7 +73,7 @@ class Allocation:
 
 def worth_of_equal(bids: Mapping[str, Bid]) -> float:
     """Return what slots would be worth to all together that each had an equal part of, as `Allocation.worth` does."""
-    return sum(_worth(bid, UNIT / len(bids), UNIT) for bid in bids.values())
+    return math.fsum(_worth(bid, UNIT / len(bids), UNIT) for bid in bids.values())
 
 
 def _worth(bid: Bid, room: float, largest: float, *, divisible: bool = False) -> float:

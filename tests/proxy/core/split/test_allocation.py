@@ -1,11 +1,13 @@
 """Parts of a limit out of bids: never more than all of it, most to what is worth most, something for everyone."""
 
+from itertools import permutations
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core.protocol.bid import UNIT, Segment, density_of
-from proxy.core.split.allocation import allocate
+from proxy.core.split.allocation import allocate, worth_of_equal
 
 segments = st.builds(Segment, st.integers(1, UNIT), st.integers(0, 255), st.sampled_from([0, 0, 1, 2, 4]))
 bids = st.lists(segments, max_size=8).map(tuple)
@@ -144,6 +146,16 @@ def test_slots_are_worth_what_their_robots_gain_by_them():
     assert allocation.worth({"a": (Segment(6000, 100, 4),)}) == pytest.approx((3000 + 1950) * unit)
     assert allocation.worth({"a": (Segment(9000, 100, 4),), "c": HIGH}) == 0.0
     assert allocation.worth({"a": (Segment(400, 120),)}) == 0.0
+
+
+def test_the_order_of_bids_changes_no_bit_of_what_slots_are_worth():
+    """Members are a set of names, whose order differs between processes: one would give up its slots, another not."""
+    bids = {
+        tag: (Segment(1500 + 37 * i, 100 + i, 1), Segment(1500 + 37 * i, 96 - i, 1)) for i, tag in enumerate("abcde")
+    }
+    allocation, orders = allocate(bids, 5, 100), [dict(order) for order in permutations(bids.items())]
+    assert len({allocation.worth(order) for order in orders}) == 1
+    assert len({worth_of_equal(order) for order in orders}) == 1
 
 
 def test_where_the_last_message_is_worth_as_much_as_the_first_there_are_no_turns():
