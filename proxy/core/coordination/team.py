@@ -121,17 +121,18 @@ class Team:
     def wait(self, now: float, waiting: float, agreement: Agreement | None, window: float) -> None:
         """Robots may have yet to agree on parts; where that takes too long they do without for a while.
 
-        So they do where they agreed on slots that cost too many words, and are not worth these. All find that at once.
+        So they do where they agreed on slots that cost too many words, and are not worth these. All find that at once,
+        and have equal parts, be it that news are late and not dear.
         """
-        pending, outdoes, news = False, False, self.news_take(waiting)
+        pending, outdoes, costly, news = False, False, False, self.news_take(waiting)
         if agreement is not None and self.members and not self.large:
             pending, outdoes = agreement.pending, outdoes_equal(agreement)
             # The longest window of what robots share takes so long [s].
             turns = 0.0 if pending or outdoes else sum(1.0 / t.shortest(window, news) for t in agreement.turns)
-            if turns * words_take(self._view, self.robots) > TUNING.passed_on * self.robots:
+            if costly := turns * words_take(self._view, self.robots) > TUNING.passed_on * self.robots:
                 self.patience.give_up(now)
         self._stuck = self.patience.is_over(now, news, pending=pending, agreed=pending and outdoes)
-        dear = self.gave_up or self._dear_since < math.inf
+        dear = self.gave_up or costly or self._dear_since < math.inf
         self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))
 
     def judge(
@@ -190,7 +191,7 @@ class Team:
         return frozenset(name for name, peer in self._view.peers.items() if name in self.members and not listens(peer))
 
     def _streams_each(self) -> float:
-        """Return how many streams a robot has in the mean, as states tell; small ones beside others do not count."""
+        """Return how many streams the median robot has, as states tell; small ones beside others do not count."""
         robots: list[list[float]] = [[stream.sizes.mean for stream in self._view.streams.own()]]
         robots += [[each.size for each in peer.told.values()] for peer in self._others() if peer.told]
         counts = [sum(size >= TUNING.even_size * max(sizes) for size in sizes) for sizes in robots]
