@@ -74,8 +74,9 @@ class Waits:
         return any(each.sample < sample.sample and place(each) < place(sample) for each in same)
 
     def _put_back(self, stream: Stream, sample: Waiting, until: float) -> bool:
-        """Put a sample back into the inbox until then [s], unless a newer one is there or it is too old by then."""
-        if self._inbox.of(sample.key) or until > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
+        """Put a sample back into the inbox until then [s], unless a newer one replaces it or it is too old by then."""
+        outdated = sample.markovian and self._inbox.of(sample.key)
+        if outdated or until > sample.t_gen + TUNING.patience * self._disputes.patience(stream):
             return False
         self._inbox.put_back([sample])
         self._inbox.rest(sample, until)

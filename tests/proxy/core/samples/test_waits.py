@@ -163,6 +163,16 @@ def test_a_sample_does_not_overtake_one_of_its_key_that_gave_way(counted):
     assert decide_all(counted, 8.25, commands, send=True) == [Forward(first), Forward(second)]
 
 
+def test_a_sample_that_counts_gives_way_though_a_newer_one_waits(counted):
+    """That replaces it only where the latest counts: it was dropped, and the newer one sent."""
+    first, (decide,) = counted.publish(8.2, size=4000)
+    second, commands = counted.publish(8.2005, size=100)
+    assert only(commands) == []
+    assert only(counted.answer(8.201, decide, send=True)) == []
+    commands = counted.tell(ev.TimePassed(8.201 + 1.1 * news_take(counted.core.view)))
+    assert decide_all(counted, 8.25, commands, send=True) == [Forward(first), Forward(second)]
+
+
 def test_where_news_take_seconds_no_sample_that_counts_waits_longer_than_its_patience(counted):
     """As after a freeze: it is decided when it has waited for as long as the window of the limit."""
     limit = replace(counted.core.budget.limits[0], limit=20_000.0, window=2.0)
