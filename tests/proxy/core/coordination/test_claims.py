@@ -364,7 +364,7 @@ def test_the_best_claim_takes_room_that_opens_before_it_hears_of_us(view):
 
 
 def test_nobody_gives_way_for_ever_to_who_sends_nothing_with_all_the_room(view):
-    """It takes another one for the next, of whom it lacks the news; nor does who is worth less than its room go."""
+    """It takes another one for the next, of whom it lacks the news."""
     sent(view, "r2", 8.5)
     sent(view, "r1", 9.0)
     empty = 9.0 + limits_of(view.specs, 0.02, 2)[0].window + news_take(view)
@@ -374,6 +374,17 @@ def test_nobody_gives_way_for_ever_to_who_sends_nothing_with_all_the_room(view):
         known.note_generated(known.generated + 1, Generated(now - 0.5 * TUNING.deciding, SIZE, 1.0))
         assert taken(view, now) == (expected,)
     assert taken(view, in_vain + 0.01, grew=in_vain + 0.1) == (SIZE,)  # something else is to leave the windows
+
+
+def test_who_is_worth_less_than_its_room_gives_way_for_ever(view):
+    """Though that is in vain: no plan sends it."""
+    ours, theirs = (view.streams.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
+    for count in range(101, 301):
+        ours.note_generated(count, Generated(count * PERIOD - 20.1, SIZE, CHEAP))
+    sent(view, "r2", 1.0)
+    sent(view, "r1", 1.0)
+    theirs.note_generated(theirs.generated + 1, Generated(10.0, SIZE, 1.0))
+    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
 
 
 def test_of_those_who_give_way_in_vain_one_goes_first(view):
