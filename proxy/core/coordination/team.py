@@ -122,7 +122,7 @@ class Team:
         """Robots may have yet to agree on parts; where that takes too long they do without for a while.
 
         So they do where they agreed on slots that cost too many words, and are not worth these. All find that at once,
-        and have equal parts, be it that news are late and not dear.
+        and have equal parts, whatever made them split.
         """
         pending, outdoes, costly, news = False, False, False, self.news_take(waiting)
         if agreement is not None and self.members and not self.large:
@@ -191,7 +191,7 @@ class Team:
         return frozenset(name for name, peer in self._view.peers.items() if name in self.members and not listens(peer))
 
     def _streams_each(self) -> float:
-        """Return how many streams the median robot has, as states tell; small ones beside others do not count."""
+        """Return how many streams a robot has in the mean, as states tell; small ones beside others do not count."""
         robots: list[list[float]] = [[stream.sizes.mean for stream in self._view.streams.own()]]
         robots += [[each.size for each in peer.told.values()] for peer in self._others() if peer.told]
         counts = [sum(size >= TUNING.even_size * max(sizes) for size in sizes) for sizes in robots]

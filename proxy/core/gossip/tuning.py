@@ -58,7 +58,7 @@ class GossipTuning:
     """Ahead of time on news of parts later [s]..."""
     parts_in_debt: float = 0.5
     """... for which this part of the allowance is left while what was spent on the first agreement is paid for: else
-    nobody passed a slot on for 8 to 10 s (six robots: 76 % of a central decider, not 67)."""
+    nobody passed a slot on for 8 to 10 s (six robots: 75 % of a central decider, not 67)."""
     first_parts_savings: float = 15.0
     """Saved for the first agreement on parts [s]: nobody sends meanwhile, but for the floor."""
     state_savings: float = 10.0
