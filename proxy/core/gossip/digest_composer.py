@@ -7,6 +7,7 @@ from proxy.core.coordination.coordination import Coordination
 from proxy.core.gossip.digest_budget import EchoBudget
 from proxy.core.gossip.state_announcements import StateAnnouncements
 from proxy.core.gossip.stream_news import StreamNews
+from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, Echo, StreamDigest, tag
 from proxy.core.view.stream import usual_scale
 from proxy.core.view.view import SharedView
@@ -34,19 +35,21 @@ class DigestComposer:
 
     def digest(self, now: float, copies: int, *, only_parts: bool) -> Digest:
         """Return a digest that goes out now in so many copies; with `only_parts` without news of streams and echoes."""
-        return Digest(
+        digest = Digest(
             robot=self._view.settings.robot,
             tag=tag(self._view.settings.zid),
             sent=now,
             messages=self._view.traffic.messages,
             bytes=self._view.traffic.bytes,
             streams=() if only_parts else self._news.take(now, list(self._view.streams.own())),
-            echoes=() if only_parts and not self._view.settings.digests_on_air else self._take_echoes(now, copies),
             state=self._states.state.number,
             capacity=self._capacity.report(now),
             splits=self._coordination.team.votes_to_split,
             split=self._coordination.announcement(now),
         )
+        if only_parts and not self._view.settings.digests_on_air:
+            return digest
+        return replace(digest, echoes=self._take_echoes(now, copies, len(pack_digest(digest))))
 
     def announcement(self, now: float, streams: tuple[StreamDigest, ...]) -> Digest:
         """Return the announcement of what streams sent, without features and without what is as usual."""
@@ -61,10 +64,10 @@ class DigestComposer:
             brief=True,
         )
 
-    def _take_echoes(self, now: float, copies: int) -> tuple[Echo, ...]:
-        """Return some echoes. Where limits follow the channel they tell how long digests wait now."""
+    def _take_echoes(self, now: float, copies: int, size: int) -> tuple[Echo, ...]:
+        """Return echoes for a digest of `size` bytes; if limits follow the channel they tell how long digests wait."""
         quickest = not self._capacity.factors
-        echoes = self._echoes.take(now, self._view.echoes.due(now, quickest=quickest), copies)
+        echoes = self._echoes.take(now, self._view.echoes.due(now, quickest=quickest), copies, size)
         self._view.echoes.sent(echo.peer for echo in echoes)
         return echoes
 

@@ -200,6 +200,32 @@ def test_what_was_saved_for_the_beginning_is_still_there_however_late_that_is():
     assert budget.due_soon(60.0) > 60.0
 
 
+def test_who_waits_for_room_waits_on_while_others_tell():
+    """It waits no less as the allowance of all is used up: five of eight robots told then at one moment."""
+    budget = budget_of(1000.0, robots=4)
+    budget.follow(0.0, splits=False, quiet=False, begins=False, window=0.5)
+    budget.due(10.0, apart=0.0, copies=3)
+    budget.sent(10.0, 300, 3)
+    affordable = next(t for t in map(float, np.arange(10.0, 40.0, 0.01)) if budget.due(t, apart=0.0, copies=3) <= t)
+    budget.heard(affordable, 450, 1)
+    budget.heard(affordable + 0.2, 4000, 1)
+    assert affordable + 0.5 < budget.due(affordable + 0.2, apart=0.0, copies=3) <= affordable + 1.0
+
+
+def test_two_that_wait_for_the_same_room_do_not_take_it_at_one_moment():
+    """Though others tell something meanwhile, and all look again when the room is there."""
+    due = []
+    for turn in (0.2, 0.7):
+        budget = budget_of(1000.0, robots=4, turn=turn)
+        budget.follow(10.0, splits=False, quiet=False, begins=False, window=0.5)
+        budget.sent(10.0, 33, 3, announces=True)
+        budget.heard(10.0, 300, 1)
+        budget.heard(10.3, 20, 1)
+        moments = map(float, np.arange(10.3, 12.0, 0.001))
+        due.append(next(t for t in moments if budget.due_in_turn(t, -math.inf, 0.5, 3) <= t))
+    assert 10.5 < due[0] < due[1] - 0.05
+
+
 @given(st.lists(st.floats(0.0, 0.6), min_size=1, max_size=60), st.integers(20, 90))
 def test_where_each_has_its_part_no_window_holds_more_than_its_allowance(pauses, size):
     """Of news of parts and of ordinary ones together: parts leave the limit no more than that."""
@@ -327,29 +353,29 @@ WINDOW = 1.0
 
 
 @given(
-    st.lists(st.tuples(st.floats(0.001, 0.6), st.integers(1, 300)), max_size=40),
-    st.floats(0.0, 2.0),
+    st.lists(st.tuples(st.integers(1, 600).map(lambda n: n / 1024), st.integers(1, 300)), max_size=40),
+    st.integers(0, 2048).map(lambda n: n / 1024),
     st.integers(0, 600),
 )
-def test_it_says_how_much_is_in_a_window_and_when_there_is_room(told, later, room):
-    """As adding it all up says: the first moment at which no more is left than there is room for."""
+def test_it_says_how_much_is_in_a_window_and_since_when_there_is_room(told, later, room):
+    """As adding it all up says: the last moment from which on no window holds more."""
     recent, now, all_of_it = RecentBytes(), 0.0, []
     for pause, amount in told:
         now += pause
-        recent.forget(now - WINDOW)
+        recent.advance(now, WINDOW)
         recent.add(now, amount)
         all_of_it.append((now, amount))
         assert recent.total == sum(amount for t, amount in all_of_it if t >= now - WINDOW)
 
-    def left(at):
-        return sum(amount for t, amount in all_of_it if t > at - WINDOW and t + WINDOW > at)
+    def until(end):
+        """What a window holds that ends just before this moment."""
+        return sum(amount for t, amount in all_of_it if end - WINDOW <= t <= end)
 
     now += later
-    at = recent.fits_at(now, WINDOW, room)
-    assert at >= now
-    assert left(at) <= room
-    earlier = [t + WINDOW for t, _ in all_of_it if now <= t + WINDOW < at]
-    assert all(left(t) > room for t in earlier)
+    recent.advance(now, WINDOW)
+    full = [t + WINDOW for t, _ in all_of_it if until(t + WINDOW) > room]
+    since = recent.fits_since(WINDOW, room)
+    assert since == max(full, default=-math.inf) or max(since, *full) < now
 
 
 @pytest.fixture
@@ -400,7 +426,7 @@ def echo(peer):
 def echoed(budget, now, echoes, copies):
     """What is echoed now of all that could be."""
     budget.advance(now)
-    return budget.echoes.take(now, echoes, copies)
+    return budget.echoes.take(now, echoes, copies, 0)
 
 
 def test_each_peer_is_echoed_about_once_a_second():
@@ -424,6 +450,21 @@ def test_of_many_peers_a_few_are_echoed_in_turn():
     assert all(abs(told.count(e.peer) - len(told) / 4) <= 1 for e in peers[:4])
     broadcast = allowed(100.0)
     assert len([e for now in range(1, 101) for e in echoed(broadcast, float(now), peers[:4], 1)]) > 3 * len(told)
+
+
+def test_a_digest_takes_no_more_than_a_window_holds_for_the_sake_of_echoes():
+    """But for one; where limits follow the channel, or what was saved is there, as many go as are paid for."""
+    peers = [echo(f"p{number}") for number in range(8)]
+
+    def told(size, *, follows=False, saved=0.0):
+        budget = DigestBudget(0.0, saved=saved)
+        budget.set_rate(1e5, 5, 5, follows=follows)
+        budget.follow(0.1, splits=False, quiet=False, begins=saved > 0.0, window=0.005)
+        return len(budget.echoes.take(0.1, peers, 4, size))
+
+    assert told(30) == 3
+    assert told(90) == told(300) == 1
+    assert told(300, follows=True) == told(300, saved=1.0) == 8
 
 
 def test_a_robot_that_begins_has_room_for_a_few_echoes():
