@@ -1,12 +1,11 @@
 """Who competes for the channel: in rows, worked out anew only for streams of which something was noted since."""
 
-from bisect import bisect_left
-from collections import Counter
-from collections.abc import Container, Iterable
+from collections.abc import Container
+from operator import attrgetter
 
 from proxy.core.view.peer import Staleness
-from proxy.core.view.stream import Place, Stream, at_stake
-from proxy.core.view.streams import Streams, Turn
+from proxy.core.view.stream import Stream, at_stake
+from proxy.core.view.streams import Streams
 from proxy.core.view.subscribers import Subscribers
 
 
@@ -40,11 +39,9 @@ class Contention:
         self._subscribers = subscribers
         self._staleness = staleness
         self._revision = self._revisions = -1
-        self._rows: list[_Row] = []
-        self._places: list[Place] = []
-        """Of the rows, in order."""
-        self._count: Counter[str] = Counter()
-        """How many rows each robot has."""
+        self._rows: dict[Stream, _Row] = {}
+        """By robot and key."""
+        self._robots: frozenset[str] = frozenset()
         self._known: tuple[list[float], list[_Row]] = [], []
         """Until when robots had told of themselves when rows were looked for last [s], and those that compete."""
 
@@ -77,10 +74,12 @@ class Contention:
     def _competing(self, now: float) -> list[_Row]:
         """Return the rows that compete. How long a stream is silent only its robot's news tells."""
         changed = self._renew()
-        told = [self._staleness.reported_until(robot, now) for robot in self._count]
+        told = [self._staleness.reported_until(robot, now) for robot in self._robots]
         if changed or told != self._known[0]:  # a decision asks twice
-            until = dict(zip(self._count, told, strict=True))
-            rows = [row for row in self._rows if row.wanted and until[row.stream.robot] - row.last < row.patience]
+            until = dict(zip(self._robots, told, strict=True))
+            rows = [
+                row for row in self._rows.values() if row.wanted and until[row.stream.robot] - row.last < row.patience
+            ]
             self._known = told, rows
         return self._known[1]
 
@@ -89,36 +88,21 @@ class Contention:
 
         All rows only where a change concerns all: else 2,000 keys that came one by one took a core 22 s.
         """
-        changed = self._revision != self._table.revision
+        table = self._table
+        changed = self._revision != table.revision
         if changed:
-            turns = self._table.turns_since(self._revision, self._revisions)
-            if turns is None:
-                self._set_rows(self._table)
-            for turn in turns or ():
-                self._turn(turn)
-            self._revision, self._revisions = self._table.revision, self._table.revisions
-        for row in self._rows:
+            known = self._rows if self._revisions == table.revisions else {}
+            self._rows = {each: known.get(each) or _Row(each) for each in sorted(table, key=_place)}
+            self._robots = frozenset(stream.robot for stream in table)
+            self._revision, self._revisions = table.revision, table.revisions
+        for row in self._rows.values():
             if row.stream.changes != row.seen:
                 row.look(self._subscribers)
                 changed = True
         return changed
 
-    def _set_rows(self, streams: Iterable[Stream]) -> None:
-        self._rows = sorted(map(_Row, streams), key=lambda row: row.stream.place)
-        self._places = [row.stream.place for row in self._rows]
-        self._count = Counter(robot for robot, _ in self._places)
 
-    def _turn(self, turn: Turn) -> None:
-        at, robot = bisect_left(self._places, turn.place), turn.place[0]
-        if turn.there:
-            self._places.insert(at, turn.place)
-            self._rows.insert(at, _Row(turn.stream))
-            self._count[robot] += 1
-            return
-        del self._places[at], self._rows[at]
-        self._count[robot] -= 1
-        if not self._count[robot]:
-            del self._count[robot]
+_place = attrgetter("robot", "key")
 
 
 def _ranked(now: float, most: int, rows: list[_Row]) -> list[_Row]:

@@ -1,8 +1,6 @@
 """All streams in the view, by robot and key: which there are, whose (plain nodes are one owner), and which leave."""
 
-from collections import deque
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from proxy.core.model.settings import CoreSettings
 from proxy.core.view.stream import Place, Stream
@@ -11,15 +9,6 @@ from utility_specs import Specs
 
 PLAIN = "?"
 """Plain nodes are named by this and their origin."""
-
-
-class Turn(NamedTuple):
-    """A stream came or went: with this revision, at this place."""
-
-    revision: int
-    place: Place
-    stream: Stream
-    there: bool
 
 
 class Streams:
@@ -31,8 +20,6 @@ class Streams:
         """How often anything changed that concerns more than one stream: which there are, and who wants them."""
         self.revisions = 0
         """How many of these concerned streams that were there before and still are: who wants them."""
-        self.turns: deque[Turn] = deque(maxlen=TUNING.turns)
-        """The last streams that came or went."""
         self.evicted = 0
         self._own = settings.robot
         self._most = settings.streams
@@ -123,11 +110,6 @@ class Streams:
             if now - stream.touched > max(TUNING.plain_silent, TUNING.plain_silent_periods * stream.schedule.period):
                 self.forget(stream)
 
-    def turns_since(self, revision: int, revisions: int) -> list[Turn] | None:
-        """Return which streams came or went since those revisions; None where more has changed, or nobody knows."""
-        turns = [turn for turn in self.turns if turn.revision > revision]
-        return turns if revisions == self.revisions and len(turns) == self.revision - revision else None
-
     def revise(self) -> None:
         """Something changed that concerns more than one stream."""
         self.revision += 1
@@ -137,7 +119,6 @@ class Streams:
         """Take in a stream; if there are too many, the owner of most loses the one not heard of for longest."""
         self.revision += 1
         self._all[stream.place] = stream
-        self.turns.append(Turn(self.revision, stream.place, stream, there=True))
         self._owned.setdefault(owner_of(stream.robot), {})[stream.place] = stream
         if len(self._all) > self._most:
             new = owner_of(stream.robot)
@@ -151,7 +132,6 @@ class Streams:
         self.revision += 1
         owner = owner_of(stream.robot)
         del self._all[stream.place]
-        self.turns.append(Turn(self.revision, stream.place, stream, there=False))
         del self._owned[owner][stream.place]
         if not self._owned[owner]:
             del self._owned[owner]

@@ -20,8 +20,6 @@ class ViewTuning:
     """Our keys of which it is known that somebody on the mesh wants them."""
     keys_answered: int = 8192
     """Keys of which it is remembered who wants them."""
-    turns: int = 64
-    """Streams that came or went of which it is remembered, for who has them in an order of its own."""
     subscriptions_narrowed: int = 256
     """Subscriptions that are narrowed to the keys of information types; of more, all of those keys are meant."""
     wildcards: int = 3

@@ -26,7 +26,7 @@ KEYS = ("robot/r1/camera", "robot/r2/camera", "robot/x/camera", "other")
 PEERS = {"aaaaaaaa01": "op", "eeeeeeee01": "r2"}
 KEPT = {
     *("Stream._expected", "Stream._reach", "Interest._wanting"),
-    *("Contention._" + kept for kept in ("revision", "revisions", "rows", "places", "count", "known")),
+    *("Contention._" + kept for kept in ("revision", "revisions", "rows", "robots", "known")),
     *(
         "Budget._others_known",
         "Budget._others_sent",
