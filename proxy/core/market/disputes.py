@@ -11,7 +11,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from proxy.core.market.room import at_pace, pace_part
-from proxy.core.market.standing import UNKNOWN, Amounts, Row, Rows, Standing, UnderWay, Weighed, rate_known, reserve
+from proxy.core.market.standing import (
+    UNKNOWN,
+    Amounts,
+    Row,
+    Standing,
+    UnderWay,
+    Weighed,
+    count_new,
+    rate_known,
+    reserve,
+    rows_of,
+)
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
@@ -40,7 +51,8 @@ class Disputes:
         """How many samples streams had generated then, whether they have a turn or not."""
         self._weighed: dict[Place, Weighed] = {}
         self._market: Market | None = None
-        self._rows = Rows(view)
+        self._new = 1
+        """So many of the streams that compete are new."""
         self._load: tuple[tuple[Stream, int], ...] = ()
         """The streams that are booked, and in how many copies their samples go."""
         self._reserve: Amounts = ()
@@ -75,7 +87,8 @@ class Disputes:
         view, self.weighed_at, self._limits, self._alone = self._view, now, limits, alone
         competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
         self._generated = {stream.place: stream.generated for stream in competing}
-        rows = self._rows.of(now, competing, limits) if limits else []
+        self._new = count_new(now, competing, limits)
+        rows = rows_of(now, view, competing, limits, self._new) if limits else []
         if alone:
             rows = [row for row in rows if row.has_room(limits)]
         places = [row.stream.place for row in rows]
@@ -118,7 +131,9 @@ class Disputes:
     def _weighed_alone(self, now: float, stream: Stream) -> Weighed:
         """Return how a stream stands that is new, at the prices that there are."""
         market = self._market
-        return UNKNOWN if market is None or market.fits else market.weigh_new(self._rows.one(now, stream, self._limits))
+        if market is None or market.fits:
+            return UNKNOWN
+        return market.weigh_new(rows_of(now, self._view, [stream], self._limits, self._new)[0])
 
     def patience(self, stream: Stream, standing: Standing = Standing.CONTESTED) -> float:
         """Return how long a sample that stands so waits for room [s]."""

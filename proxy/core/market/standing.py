@@ -7,11 +7,10 @@ from enum import Enum
 from typing import NamedTuple
 
 from planner import Aggregation
-from planner.measures import Measure
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.view.audience import Audience
-from proxy.core.view.stream import Generated, Stream
+from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import initial
 
@@ -79,31 +78,32 @@ class Row(NamedTuple):
         return all(use <= c.limit for use, c in zip(self.use, limits, strict=True))
 
 
+def rows_of(now: float, view: SharedView, streams: Sequence[Stream], limits: tuple[Limit, ...], new: int) -> list[Row]:
+    """Return a row of each of the streams, which compete for these limits; so many that compete are `new`."""
+    of, copies, robot = view.audiences.of, view.subscribers.copies, view.settings.robot
+    return [row_of(now, s, of(now, s), copies(s), limits, own=s.robot == robot, new=new) for s in streams]
+
+
 def row_of(
     now: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
 ) -> Row:
-    """Return a stream whose samples go to this audience, in so many copies, as a row; so many are `new`."""
+    """Return a stream whose samples go to this audience, in so many copies, as a row; so many are `new`.
+
+    What others do not tell of goes on as it did: else windows of eight robots were over the limit by 5 %.
+    """
+    until = stream.touched if not own and _is_periodic(stream) else now
     size = round(stream.sizes.mean)
     use = use_of(size, copies, limits, own=own)
     more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
     return Row(
         stream,
-        interval_among(now, stream, limits, own=own, new=new),
+        interval_of(until, stream, min([c.window for c in limits]), new=new),
         audience.mean if audience.share > 0.0 else audience.latency,
         stream.newest.scale * audience.share,
         use,
         tuple([m - u for m, u in zip(more, use, strict=True)]),
         _relief(stream, audience.share),
     )
-
-
-def interval_among(now: float, stream: Stream, limits: Sequence[Limit], *, own: bool, new: int) -> float:
-    """Return the mean time between samples of a stream that competes for these limits, and so many that are `new` [s].
-
-    What others do not tell of goes on as it did: else windows of eight robots were over the limit by 5 %.
-    """
-    until = stream.touched if not own and _is_periodic(stream) else now
-    return interval_of(until, stream, min([c.window for c in limits]), new=new)
 
 
 def _relief(stream: Stream, share: float) -> float:
@@ -192,53 +192,3 @@ class UnderWay(NamedTuple):
                 for u, mean, variance in zip(use, self.mean, self.variance, strict=True)
             ]
         )
-
-
-class _Known(NamedTuple):
-    """A row, and what it was made of: while that is the same, only the interval may be another one, as time passes."""
-
-    changes: int
-    last: Generated
-    audience: Audience
-    copies: int
-    row: Row
-
-
-class Rows:
-    """Of the streams that were asked for last, worked out anew only when one changed: of a hundred 0.4 ms, not 0.9."""
-
-    def __init__(self, view: SharedView) -> None:
-        self._view = view
-        self._measured: list[Measure] = []
-        """How what rows tell the use of was measured."""
-        self._known: dict[Stream, _Known] = {}
-        self._new = 1
-        """So many of these streams are new."""
-
-    def of(self, now: float, streams: Iterable[Stream], limits: tuple[Limit, ...]) -> list[Row]:
-        """Return a row of each of the streams that compete for these limits."""
-        streams = list(streams)
-        measured = [limit.measure for limit in limits]
-        before = self._known if measured == self._measured else {}
-        self._measured, self._known, self._new = measured, {}, count_new(now, streams, limits)
-        return [self._row(now, stream, limits, before.get(stream)) for stream in streams]
-
-    def one(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> Row:
-        """Return the row of a stream that was not among them."""
-        view = self._view
-        audience, copies = view.audiences.of(now, stream), view.subscribers.copies(stream)
-        return row_of(now, stream, audience, copies, limits, own=self._own(stream), new=self._new)
-
-    def _row(self, now: float, stream: Stream, limits: tuple[Limit, ...], known: _Known | None) -> Row:
-        view = self._view
-        audience, copies = view.audiences.of(now, stream), view.subscribers.copies(stream)
-        if known is None or known[:4] != (stream.changes, stream.last, audience, copies):
-            row = row_of(now, stream, audience, copies, limits, own=self._own(stream), new=self._new)
-            self._known[stream] = _Known(stream.changes, stream.newest, audience, copies, row)
-            return row
-        self._known[stream] = known
-        interval = interval_among(now, stream, limits, own=self._own(stream), new=self._new)
-        return known.row if interval == known.row.interval else known.row._replace(interval=interval)
-
-    def _own(self, stream: Stream) -> bool:
-        return stream.robot == self._view.settings.robot
