@@ -139,11 +139,5 @@ def _compared(plan: Plan) -> tuple[float | None, float | None, float | None]:
 
 
 def _rival(rival: Rival) -> dict[str, Any]:
-    return {
-        "robot": rival.robot,
-        "key": rival.key,
-        "worth": rival.worth,
-        "size": rival.size,
-        "messages": rival.messages,
-        "sent": rival.sent,
-    }
+    names = "robot", "key", "worth", "size", "messages", "sent"
+    return {name: getattr(rival, name) for name in names}

@@ -11,10 +11,10 @@ from proxy.core.samples.appraisal import Appraisal, Use
 from proxy.core.samples.away import Copy
 from proxy.core.samples.copies import Copies
 from proxy.core.samples.decision_log import SEARCH, WAITS, Searched, Why
-from proxy.core.samples.decisions import Decided, Decisions, Shortcut
+from proxy.core.samples.decisions import Decisions, Shortcut
 from proxy.core.samples.fallback import StaticRule
 from proxy.core.samples.inbox import Inbox
-from proxy.core.samples.search import Pending, Search
+from proxy.core.samples.search import Search
 from proxy.core.samples.tuning import TUNING
 from proxy.core.view.stream import Stream
 
@@ -60,7 +60,7 @@ class CopyGate:
         sample = replace(copy.waiting, scale=scale, to=copy.to)
         return [self._search.start(now, sample, self._inbox, ticket, copy)]
 
-    def decided(self, now: float, pending: Pending, copy: Copy, searched: Searched) -> list[Command]:
+    def decided(self, now: float, copy: Copy, searched: Searched) -> list[Command]:
         """Take the answer for a copy: one that is not sent now may be sent later, when there is more room."""
         if not self._copies.waits(copy):
             return []
@@ -70,7 +70,7 @@ class CopyGate:
         reason = "forwarded" if send else WAITS
         why = Why(reason, SEARCH, lacking, searched=searched)
         self._log.note(now, copy.waiting.key, copy.waiting, why, to=copy.to)
-        self._decisions.note(Decided(now, copy.waiting.key, plan, pending.constraints, reason))
+        self._decisions.note(now, copy.waiting.key, reason, searched)
         return self._settle(now, copy, use, send=send)
 
     def by_rule(self, now: float, copy: Copy, rule: StaticRule) -> list[Command]:

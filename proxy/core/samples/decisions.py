@@ -2,12 +2,11 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
 from planner import Plan
-from proxy.core.samples.decision_log import DecisionLog
+from proxy.core.samples.decision_log import DecisionLog, Searched
 from proxy.core.samples.tuning import TUNING
 
 _OF_A_PLAN = ("send", "utility", "opposite", "lead", "gap", "iterations", "nodes", "seconds")
@@ -16,29 +15,6 @@ _OF_A_PLAN = ("send", "utility", "opposite", "lead", "gap", "iterations", "nodes
 def is_proven(plan: Plan) -> bool:
     """Whether no plan is better."""
     return plan.gap is not None and plan.gap <= TUNING.proven_gap * max(1.0, abs(plan.utility))
-
-
-@dataclass(frozen=True, slots=True)
-class Decided:
-    """A decision at `now` [s] on a sample of `key`; `reason` is what became of it, `constraints` are the problem's."""
-
-    now: float
-    key: str
-    plan: Plan
-    constraints: tuple[str, ...]
-    reason: str
-
-    def described(self, now: float) -> dict[str, Any]:
-        """The decision as plain JSON data: its `age` [s], and the plan that led to it [utility·s]."""
-        plan = self.plan
-        return {
-            "age": now - self.now,
-            "key": self.key,
-            "reason": self.reason,
-            **{name: getattr(plan, name) for name in _OF_A_PLAN},
-            "binding": list(plan.binding),
-            "prices": dict(zip(self.constraints, plan.prices, strict=False)),
-        }
 
 
 class Shortcut(StrEnum):
@@ -75,16 +51,17 @@ class Decisions:
         self.shortcuts = dict.fromkeys(Shortcut, 0)
         self.thinned = Counter(windows=0, messages=0, of=0)
         self.binding: Counter[str] = Counter()
-        self.last: Decided | None = None
+        self.last: tuple[float, str, str, Searched] | None = None
+        """When it was made [s], the key of the sample, what became of that, and the search."""
         self.log = DecisionLog()
 
     def count(self, shortcut: Shortcut, samples: int = 1) -> None:
         """So many more samples went or were dropped so."""
         self.shortcuts[shortcut] += samples
 
-    def note(self, decided: Decided) -> None:
-        """A search has decided."""
-        plan, self.last = decided.plan, decided
+    def note(self, now: float, key: str, reason: str, searched: Searched) -> None:
+        """A search has decided on a sample of this key; the `reason` is what became of it."""
+        plan, self.last = searched.plan, (now, key, reason, searched)
         self.made += 1
         self.iterations += plan.iterations
         self.seconds += plan.seconds or 0.0
@@ -113,5 +90,18 @@ class Decisions:
             **{shortcut.value: count for shortcut, count in self.shortcuts.items()},
             "thinned": dict(self.thinned),
             "binding": dict(self.binding.most_common()),
-            "last": None if self.last is None else self.last.described(now),
+            "last": None if self.last is None else _described(now, *self.last),
         }
+
+
+def _described(now: float, at: float, key: str, reason: str, searched: Searched) -> dict[str, Any]:
+    """The last decision as plain JSON data: its `age` [s], and the plan that led to it [utility·s]."""
+    plan = searched.plan
+    return {
+        "age": now - at,
+        "key": key,
+        "reason": reason,
+        **{name: getattr(plan, name) for name in _OF_A_PLAN},
+        "binding": list(plan.binding),
+        "prices": dict(zip(searched.constraints, plan.prices, strict=False)),
+    }

@@ -17,7 +17,7 @@ from proxy.core.samples.copies import Copies
 from proxy.core.samples.copy_gate import CopyGate
 from proxy.core.samples.counts import Counts
 from proxy.core.samples.decision_log import BOOKED, RIVALS, RULE, SEARCH, WAITS, Why
-from proxy.core.samples.decisions import Decided, Decisions, Shortcut
+from proxy.core.samples.decisions import Decisions, Shortcut
 from proxy.core.samples.fallback import StaticRule
 from proxy.core.samples.outcomes import Outcomes, Run
 from proxy.core.samples.search import Pending, Search
@@ -252,7 +252,7 @@ class Gate:
         """Do what the plan says, as far as the limits still have room."""
         now, searched = event.now, pending.searched(plan, cut=event.cut)
         if pending.copy is not None:
-            return self._copy_gate.decided(now, pending, pending.copy, searched)
+            return self._copy_gate.decided(now, pending.copy, searched)
         sample, beside = pending.sample, BOOKED
         stream = self.appraisal.stream_of(now, sample)
         use = self.appraisal.use(stream, sample)
@@ -272,7 +272,7 @@ class Gate:
             self.decisions.log.note(now, sample.key, sample, Why(WAITS, SEARCH, lacking, beside, None, searched))
             return []
         reason = CONSTRAINT if lacking else "forwarded" if plan.send else "dropped:planner"
-        self.decisions.note(Decided(now, sample.key, plan, pending.constraints, reason))
+        self.decisions.note(now, sample.key, reason, searched)
         why = Why(reason, SEARCH, lacking, beside if lacking else "", None, searched)
         if not (plan.send or plan.binding):
             self._budget.hollow.spare(sample.key)

@@ -34,11 +34,6 @@ class Pending:
         """The search that was asked for; its ticket is its seed."""
         return Decide(self.ticket, self.window.problem, self.ticket, self.iterations, self.asked)
 
-    @property
-    def constraints(self) -> tuple[str, ...]:
-        """The names of the constraints, in the order of the plan's prices."""
-        return tuple([constraint.name for constraint in self.window.problem.constraints])
-
     def searched(self, plan: Plan, *, cut: bool) -> Searched:
         """Return what is kept of this decision and its plan."""
         problem, full, candidates = self.window
