@@ -8,6 +8,7 @@ from planner import Aggregation
 from planner.utility import integral
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.standing import interval_of, variance_of
+from proxy.core.model.lifetimes import worthless_from
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.bid import Bid
 from proxy.core.split.demand import Demand, bid_for, usual_message
@@ -31,7 +32,7 @@ def usual(view: SharedView, now: float, limits: Sequence[Limit]) -> int:
 def _demands(view: SharedView, now: float, limits: Sequence[Limit], window: float) -> Iterator[Demand]:
     shared = tuple(limit for limit in limits if limit.shared)
     for stream in view.streams.own():
-        if not view.contention.competes(now, stream) or _late(view, stream, audience := view.audiences.of(now, stream)):
+        if not view.contention.competes(now, stream) or _late(stream, audience := view.audiences.of(now, stream)):
             continue
         copies, spread = view.subscribers.copies(stream), stream.sizes.deviation
         sizes = {max(1, round(stream.sizes.mean + off * spread)) for off in TUNING.size_deviations}
@@ -46,11 +47,9 @@ def _demands(view: SharedView, now: float, limits: Sequence[Limit], window: floa
         yield Demand(parts, 1.0 / interval, partial(_value, stream, audience.share, period), variance, period)
 
 
-def _late(view: SharedView, stream: Stream, audience: Audience) -> bool:
+def _late(stream: Stream, audience: Audience) -> bool:
     """Whether messages of a stream are worth nothing any more long before they are received."""
-    return audience.share > 0.0 and audience.mean >= TUNING.too_late * view.lifetimes.end(
-        stream.information_type.utility
-    )
+    return audience.share > 0.0 and audience.mean >= TUNING.too_late * worthless_from(stream.information_type.utility)
 
 
 def _value(stream: Stream, share: float, period: float, rate: float) -> float:

@@ -24,6 +24,7 @@ from proxy.core.market.standing import (
     rows_of,
 )
 from proxy.core.market.tuning import TUNING
+from proxy.core.model.lifetimes import half_life
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Place, Sent, Stream, excess
@@ -140,7 +141,7 @@ class Disputes:
         if stream.information_type.markovian:
             return TUNING.patience * stream.schedule.period
         if standing is Standing.UNDISPUTED:  # an alarm is not lost because the team sent too much for a moment
-            return max(longest_window(self._limits), self._view.lifetimes.half_life(stream.information_type.utility))
+            return max(longest_window(self._limits), half_life(stream.information_type.utility))
         return longest_window(self._limits)
 
     def left(self, now: float) -> tuple[Amounts, Amounts]:

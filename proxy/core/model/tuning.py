@@ -17,8 +17,6 @@ class ModelTuning:
     """What takes more than this part of a limit is announced at once when it is sent, as what was sent together is."""
     planned_windows: float = 4.0
     """Plans reach this many of the longest window of a limit (93.5 % of the bound; with two sends of all 92.3)."""
-    utilities: int = 256
-    """Utilities whose lifetimes are remembered."""
 
 
 TUNING = ModelTuning()

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from planner import Aggregation
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Command
+from proxy.core.model.lifetimes import worthless_from
 from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
@@ -109,7 +110,7 @@ class OwnSamples:
         """Keep a sample for robots that are away, if each sample of its stream counts; of `best` the best one does."""
         if self._parts.settings.away and not stream.information_type.markovian:
             most = 1 if stream.information_type.aggregation is Aggregation.BEST else self._parts.settings.backlog
-            lifetime = self._parts.view.lifetimes.end(stream.information_type.utility)
+            lifetime = worthless_from(stream.information_type.utility)
             self._parts.kept.published(waiting, lifetime, most, delete=delete)
 
     def _pass_undecided(self, now: float, sample: int, key: str, size: int) -> Command:

@@ -1,6 +1,5 @@
 """The shared view: what this robot knows of streams, robots, and what the channel carries."""
 
-from proxy.core.model.lifetimes import Lifetimes
 from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.view.audience import Audiences, Paths
@@ -39,7 +38,6 @@ class SharedView:
         self.audiences = Audiences(settings, self.members, self.subscribers, self.paths)
         self.contention = Contention(self.streams, self.subscribers, self.staleness)
         self.overhearing = Overhearing(self.streams, self.members, self.origins, self.traffic)
-        self.lifetimes = Lifetimes()
         self._news = News((settings.robot, own), self.streams, self.subscribers, self.traffic)
 
     @property

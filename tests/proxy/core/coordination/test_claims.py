@@ -10,6 +10,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Standing
+from proxy.core.model.lifetimes import worthless_from
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState, tag
@@ -158,7 +159,7 @@ def test_a_stream_of_little_worth_never_holds_a_better_one_back(view):
     """However long it was silent: a new sample gains no more than it is worth itself."""
     ours, theirs = (view.streams.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
     ours.renew(Generated(9.9, SIZE, 5.0))
-    lasts = view.lifetimes.end(theirs.information_type.utility)
+    lasts = worthless_from(theirs.information_type.utility)
     sent(view, "r1", 10.0)
     sent(view, "r2", 10.0)
     now = 10.0 + lasts

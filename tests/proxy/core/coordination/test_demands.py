@@ -4,6 +4,7 @@ import pytest
 
 from proxy.core.coordination.demands import bid, usual
 from proxy.core.coordination.tuning import TUNING
+from proxy.core.model.lifetimes import worthless_from
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.bid import UNIT
@@ -88,7 +89,7 @@ def test_what_comes_too_late_asks_for_nothing(make_view):
     """It is worth nothing any more long before it is received."""
     late = make_view(2_000)
     (peer,) = late.peers.values()
-    end = late.lifetimes.end(late.streams.known("r1", "robot/r1/camera").information_type.utility)
+    end = worthless_from(late.streams.known("r1", "robot/r1/camera").information_type.utility)
     peer.outbound.latency = Latency(TUNING.too_late * end)
     assert asked(late) == ()
 
