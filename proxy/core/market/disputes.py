@@ -89,7 +89,7 @@ class Disputes:
         competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
         self._generated = {stream.place: stream.generated for stream in competing}
         self._new = count_new(now, competing, limits)
-        rows = rows_of(now, view, competing, limits, self._new) if limits else []
+        rows = rows_of(now, view, view.audiences, competing, limits, new=self._new) if limits else []
         if alone:
             rows = [row for row in rows if row.has_room(limits)]
         places = [row.stream.place for row in rows]
@@ -134,7 +134,8 @@ class Disputes:
         market = self._market
         if market is None or market.fits:
             return UNKNOWN
-        return market.weigh_new(rows_of(now, self._view, [stream], self._limits, self._new)[0])
+        rows = rows_of(now, self._view, self._view.audiences, [stream], self._limits, new=self._new)
+        return market.weigh_new(rows[0])
 
     def patience(self, stream: Stream, standing: Standing = Standing.CONTESTED) -> float:
         """Return how long a sample that stands so waits for room [s]."""

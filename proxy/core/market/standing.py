@@ -9,7 +9,7 @@ from typing import NamedTuple
 from planner import Aggregation
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, use_of
-from proxy.core.view.audience import Audience
+from proxy.core.view.audience import Audience, Audiences
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import initial
@@ -78,9 +78,17 @@ class Row(NamedTuple):
         return all(use <= c.limit for use, c in zip(self.use, limits, strict=True))
 
 
-def rows_of(now: float, view: SharedView, streams: Sequence[Stream], limits: tuple[Limit, ...], new: int) -> list[Row]:
+def rows_of(
+    now: float,
+    view: SharedView,
+    audiences: Audiences,
+    streams: Sequence[Stream],
+    limits: tuple[Limit, ...],
+    *,
+    new: int,
+) -> list[Row]:
     """Return a row of each of the streams, which compete for these limits; so many that compete are `new`."""
-    of, copies, robot = view.audiences.of, view.subscribers.copies, view.settings.robot
+    of, copies, robot = audiences.of, view.subscribers.copies, view.settings.robot
     return [row_of(now, s, of(now, s), copies(s), limits, own=s.robot == robot, new=new) for s in streams]
 
 

@@ -198,6 +198,10 @@ class Audiences:
             known = self._known[place] = self._look(now, stream, gaining)
         return known.audience
 
+    def among(self, now: float, stream: Stream, names: tuple[str, ...]) -> Audience:
+        """Return the same for the robots with these tags, whether they gain or not."""
+        return self._look(now, stream, names).audience
+
     def to(self, name: str, size: int) -> Audience:
         """Return the robot with this tag as the only one that gains by a message of ours of so many bytes."""
         return audience_of(self._paths.of(self._settings.robot), (name,), size, self._paths.mean_loss())
