@@ -67,7 +67,7 @@ class MeshNews:
         warned = transport_warnings(self._parts.settings, self._parts.view.peers)
         subscriptions = peer.state.subscriptions
         if self._parts.view.heard_state(event.now, event.state):
-            self._parts.mismatched.heard_state(name)
+            self._parts.mismatched.heard(name)
             self._parts.gossip.requests.compare(event.now, name, peer)
         else:
             self._parts.gossip.requests.want(event.now, name)

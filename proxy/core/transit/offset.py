@@ -36,8 +36,6 @@ class ClockOffset:
         """What the way here takes as long as no echo came [s]."""
         self.latency = 0.0
         """One-way time of the quickest digests [s], mean of both directions; until both were seen, what is presumed."""
-        self._offset: float | None = 0.0
-        """The estimate; None when it is to be worked out anew."""
         self._range = (-math.inf, math.inf)
         """The least and the most that it can have been when the last digest came [s]."""
         self.jumps = 0
@@ -83,9 +81,10 @@ class ClockOffset:
     @property
     def offset(self) -> float:
         """Our clock minus the peer's [s] at the last digest; without echoes as if the way here were as presumed."""
-        if self._offset is None:
-            self._offset = self._estimated()
-        return self._offset
+        if self._last is None:
+            return 0.0
+        least, most = self._range
+        return most - self._presumed if math.isinf(least) else (most + least) / 2.0
 
     def uncertainty(self, now: float) -> float:
         """What `offset` is wrong by at most at `now` [s], if clocks drift no faster than they may; else infinite."""
@@ -103,12 +102,6 @@ class ClockOffset:
         """The time on our clock when the peer's shows `theirs`."""
         return theirs + self.offset
 
-    def _estimated(self) -> float:
-        if self._last is None or self._most is None:
-            return 0.0
-        least, most = self._range
-        return most - self._presumed if math.isinf(least) else (most + least) / 2.0
-
     def _agree(self) -> None:
         """Where the bounds contradict each other a clock has jumped: only the last digest still tells the offset."""
         least, most = self._by_digests()
@@ -118,7 +111,7 @@ class ClockOffset:
             least, most = self._by_digests()
             if most - least < -TUNING.resolution:
                 least, self._least = -math.inf, None
-        self._offset, self._range = None, self._narrowed(least, most)
+        self._range = self._narrowed(least, most)
         self.latency = self._presumed
         if self._most is not None and self._least is not None:
             self.latency = max(0.0, (self._most.offset - self._least.offset) / 2.0)

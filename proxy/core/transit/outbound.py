@@ -13,8 +13,6 @@ class Loss:
 
     def __init__(self) -> None:
         self._read: deque[tuple[int, int]] = deque(maxlen=TUNING.loss_readings)
-        self._counted = (0, 0)
-        self._stale = False
 
     @property
     def begun(self) -> bool:
@@ -29,30 +27,23 @@ class Loss:
             self._read.pop()
         if not self._read or self._read[-1] != (sent, received):
             self._read.append((sent, received))
-        self._stale = True
 
     def restart(self) -> None:
         """Forget the counts: from now on other samples are counted."""
         self._read.clear()
-        self._stale = True
 
     @property
     def counted(self) -> tuple[int, int]:
         """How many samples were sent in the recent past, and how many of these got lost."""
-        if self._stale:
-            self._counted, self._stale = self._count(), False
-        return self._counted
+        if len(self._read) < 2:
+            return 0, 0
+        sent, received = (last - first for first, last in zip(self._read[0], self._read[-1], strict=True))
+        return sent, max(0, sent - received)
 
     @property
     def share(self) -> float | None:
         """Part of the samples that got lost, from 0.0 to 1.0; None while nothing was sent."""
         return share_of(*self.counted)
-
-    def _count(self) -> tuple[int, int]:
-        if len(self._read) < 2:
-            return 0, 0
-        sent, received = (last - first for first, last in zip(self._read[0], self._read[-1], strict=True))
-        return sent, max(0, sent - received)
 
 
 def share_of(sent: int, lost: int) -> float | None:

@@ -18,8 +18,6 @@ class Members:
         self.tags: dict[str, str] = {}
         """The tags of all robots by their names, our own included."""
         self.evicted = 0
-        self._silent: set[str] = set()
-        """Tags of the robots that have not announced a state yet."""
         self._note_names()
 
     def knows(self, zid: str) -> bool:
@@ -34,17 +32,11 @@ class Members:
     def add(self, now: float, robot: str, zid: str, *, plain: bool) -> None:
         """A robot came. Of robots of one name the later ones get another one here, with a part of their ids."""
         self._peers[tag(zid)] = Peer(self._free_name(robot, zid), zid, now, name=robot, plain=plain)
-        self._silent.add(tag(zid))
         self._note_names()
-
-    def announced(self, name: str) -> None:
-        """The robot with this tag has announced what its apps subscribe to."""
-        self._silent.discard(name)
 
     def remove(self, zid: str) -> Peer | None:
         """A robot left; return what was known of it."""
         peer = self._peers.pop(tag(zid), None)
-        self._silent.discard(tag(zid))
         self._note_names()
         return peer
 
@@ -56,8 +48,7 @@ class Members:
     @property
     def unannounced(self) -> int:
         """How many robots, of different names, may want what we send though they did not say so: Zenoh knows sooner."""
-        peers = self._peers
-        return len({peers[name].name for name in self._silent if not peers[name].plain}) if self._silent else 0
+        return len({peer.name for peer in self._peers.values() if not (peer.announced or peer.plain)})
 
     def called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""

@@ -19,21 +19,17 @@ class MismatchedLimits:
         self._table = streams
         self._since: dict[str, float] = {}
         """Since when robots have had other limits [s]."""
-        self._heard: set[str] = set()
-        """Robots of which digests were understood."""
         self._look_at = 0.0
         self.found: frozenset[str] = frozenset()
         self._early: frozenset[str] = frozenset()
         """Those of them that have been silent for so short that nobody need be told."""
 
     def heard(self, name: str) -> None:
-        """A digest of a robot was understood."""
-        self._heard.add(name)
-        self._reconsider(name)
-
-    def heard_state(self, name: str) -> None:
-        """A state of a robot was understood."""
-        self._reconsider(name)
+        """A digest or a state of a robot was understood: its first word lets it take part."""
+        if name in self.found:
+            self._look_at = -math.inf
+        if name in self._early:
+            self._peers[name].take_part(plain=False)
 
     def met(self, name: str, peer: Peer) -> None:
         """A robot came; where others came without a word it takes no part before its first."""
@@ -51,13 +47,12 @@ class MismatchedLimits:
         if now < self._look_at:
             return False
         self._look_at, peers = now + TUNING.mismatch_check, self._peers
-        self._heard &= peers.keys()
         alike = (0, fingerprint(self._table.specs))  # who says nothing of its limits may have the same
         self._since = {
             name: self._since.get(name, now) for name, peer in peers.items() if peer.state.limits not in alike
         }
-        for name, peer in peers.items():
-            peer.take_part(plain=self._not_understood(now, name, peer))
+        for peer in peers.values():
+            peer.take_part(plain=self._not_understood(now, peer))
         apart = {name for name, since in self._since.items() if now - since > TUNING.agreement_time}
         before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
         self._early = frozenset(
@@ -75,15 +70,8 @@ class MismatchedLimits:
                 alike.setdefault(self._fault(peer), []).append(peer.robot)
         return [f"robot {first} {fault}{_so_with(others)}" for fault, (first, *others) in alike.items()]
 
-    def _reconsider(self, name: str) -> None:
-        """A robot that takes no part said something: its first word lets it take part."""
-        if name in self.found:
-            self._look_at = -math.inf
-        if name in self._early:
-            self._peers[name].take_part(plain=False)
-
-    def _not_understood(self, now: float, name: str, peer: Peer) -> bool:
-        if name in self._heard and peer.digest is not None:  # else it left meanwhile, and is back
+    def _not_understood(self, now: float, peer: Peer) -> bool:
+        if peer.digest is not None:
             return now - peer.digest_received > TUNING.understood_for
         if peer.announced:
             return now - peer.since > TUNING.understood_for

@@ -14,10 +14,10 @@ from proxy.core.view.tuning import TUNING
 
 
 class News:
-    """Takes in news of streams; `own` are our name and tag."""
+    """Takes in news of streams; `own` is our tag."""
 
-    def __init__(self, own: tuple[str, str], streams: Streams, subscribers: Subscribers, traffic: TrafficLog) -> None:
-        self._robot, self._tag = own
+    def __init__(self, own: str, streams: Streams, subscribers: Subscribers, traffic: TrafficLog) -> None:
+        self._tag = own
         self._streams = streams
         self._subscribers = subscribers
         self._traffic = traffic

@@ -38,7 +38,7 @@ class SharedView:
         self.audiences = Audiences(settings, self.members, self.subscribers, self.paths)
         self.contention = Contention(self.streams, self.subscribers, self.staleness)
         self.overhearing = Overhearing(self.streams, self.members, self.origins, self.traffic)
-        self._news = News((settings.robot, own), self.streams, self.subscribers, self.traffic)
+        self._news = News(own, self.streams, self.subscribers, self.traffic)
 
     @property
     def specs(self) -> Specs:
@@ -114,7 +114,6 @@ class SharedView:
         if peer is None or whole is None:
             return False
         subscriptions, origins = peer.state.subscriptions, peer.state.origins
-        self.members.announced(peer.tag)
         peer.take_state(now, whole)
         self.clocks.bound(now, peer)
         self.subscribers.note_transports()

@@ -35,9 +35,8 @@ KEPT = {
         "Budget._others",
         "Openings._of",
         "Openings._known",
-        "ClockOffset._offset",
     ),
-    *("Loss._stale", "Loss._share", "LatencyFit._stale", "LatencyFit._line", "LatencyFit._classes"),
+    *("LatencyFit._stale", "LatencyFit._line", "LatencyFit._classes"),
 }
 """What is worked out once and kept until something else is noted, so that nobody can tell when it was."""
 

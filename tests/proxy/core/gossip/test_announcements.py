@@ -27,7 +27,6 @@ class Sender:
         self.view = SharedView(CoreSettings("r1", "z-r1", **rest), specs)
         for number in range(peers):
             self.view.add_peer(0.0, f"p{number}", f"z-p{number}")
-            self.view.members.announced(f"z-p{number}")
             self.view.subscribers.set(f"z-p{number}", ("robot/**",))
         self.view.subscribers.set_own(("robot/**",))
         self.streams = {robot: self.film(robot, size, period) for robot in sending}
