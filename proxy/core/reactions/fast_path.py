@@ -239,7 +239,7 @@ class FastPath:
         for _, event, use in noted:
             parts.budget.use(event.now, use)
         sizes = [lane.copies * event.size for lane, event, _ in noted]
-        self._traffic.pass_samples(sum([lane.copies for lane, _, _ in noted]), sum(sizes), max(sizes))
+        self._traffic.count(sum([lane.copies for lane, _, _ in noted]), sum(sizes), max(sizes))
         parts.gate.passed([(places[-1], _run(noted, places)) for places in runs.values()])
         self._last_at = noted[-1][1].now
         for key, places in runs.items():

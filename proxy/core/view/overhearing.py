@@ -123,7 +123,7 @@ class Overhearing:
         self._traffic.note_sent(stream, stream.forwarded + 1, Sent(t_gen, t_sent, event.size, scale, features))
         # Its number only the digest tells that follows: a wrong one would spoil the schedule, and hide the right one.
         if t_gen > stream.last.t_gen:
-            stream.replace_last(Generated(t_gen, event.size, scale, features or stream.last.features))
+            stream.renew(Generated(t_gen, event.size, scale, features or stream.last.features))
 
     def _meet(self, now: float, t_gen: float | None, event: SampleHeard, peer: Peer) -> Stream | None:
         """A sample of a stream was overheard of which no digest has told yet; None where no spec plans for it.

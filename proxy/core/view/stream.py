@@ -168,12 +168,8 @@ class Stream:
         """The stream's robot has another name from now on."""
         self.robot = robot
 
-    def replace_last(self, last: Generated) -> None:
-        """A newer sample than the last one was overheard; only a digest will tell its number."""
-        self.last = last
-
     def renew(self, last: Generated) -> None:
-        """The last sample was read again, by the specs in force now."""
+        """The last sample is this one: read again by the specs in force now, or overheard before news of it."""
         self.last = last
         self.changes += 1
         self._expected.clear()

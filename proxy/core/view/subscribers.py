@@ -65,7 +65,8 @@ class Interest:
                 del self._by[expression]
         for expression in after - before:
             self._by.setdefault(expression, set()).add(tag)
-        self._renew(before ^ after)
+        if before != after:
+            self._wanting.clear()
 
     def wanting(self, key: str, publisher: str = "") -> tuple[str, ...]:
         """Return the tags of the robots whose apps subscribe to the key, in order, without that of its publisher."""
@@ -81,13 +82,6 @@ class Interest:
         """Whether any robot but the publisher subscribes to something that one of these key expressions matches."""
         others = [expression for expression, by in self._by.items() if by != {publisher}]
         return any(intersects(expression, key) for key in keys for expression in others)
-
-    def _renew(self, changed: frozenset[str]) -> None:
-        """Forget the answers that changed expressions have a part in; all of them where that is less work."""
-        if len(changed) > 8:
-            self._wanting.clear()
-        for place in [at for at in self._wanting if any(intersects(expression, at[0]) for expression in changed)]:
-            del self._wanting[place]
 
 
 NAMELESS = ("",)

@@ -30,10 +30,11 @@ class TrafficLog:
         self.noted, self.retracted = 0, 0
         """How many sends of others were noted so far, and how many of them turned out to be none."""
 
-    def count(self, messages: int, size: int) -> None:
-        """So many messages of ours, of so many bytes in all, copies counted, go on the air."""
+    def count(self, messages: int, size: int, largest: int = 0) -> None:
+        """So many messages of ours, of so many bytes in all, copies counted, go on the air, of at most `largest`."""
         self.messages += messages
         self.bytes += size
+        self.largest = max(self.largest, largest)
 
     def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
         """The `count`-th sample sent of a stream was this one."""
@@ -46,11 +47,6 @@ class TrafficLog:
             self.revision += 1
             self.noted += len(noted)
             self.sends.extend([(each.t_sent, (sent.size, copies), stream.robot) for each in noted])
-
-    def pass_samples(self, messages: int, size: int, largest: int) -> None:
-        """Samples of ours were sent as they came: so many messages and bytes, copies counted, of at most `largest`."""
-        self.count(messages, size)
-        self.largest = max(self.largest, largest)
 
     def note_unknown(self, at: float, size: int, robot: str, copies: int = 1) -> Entry:
         """A robot sent something of a stream that we know nothing of, as a rule in one copy; return its entry."""
