@@ -115,8 +115,6 @@ class Stream:
     reached: set[str] = field(default_factory=set)
     """Tags of the robots that were sent a sample."""
     sizes: Sizes = field(default_factory=Sizes)
-    interval: float = 0.0
-    """Mean interval between sends [s]; 0.0 while fewer than two were seen."""
     changes: int = 0
     """How often anything was noted of the stream, its schedule or who has it, or it was covered anew."""
     _ahead_since: float = math.inf
@@ -194,13 +192,10 @@ class Stream:
         self.changes += 1
         if self.sent is not None and sent.t_sent > self.sent.t_sent:
             gap = (sent.t_sent - self.sent.t_sent) / (missed + 1)
-            newest = TUNING.newest_interval_weight
-            self.interval = gap if self.interval == 0.0 else (1.0 - newest) * self.interval + newest * gap
-            if missed:
-                noted += [
-                    Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale)
-                    for i in range(min(missed, TUNING.untold_sends), 0, -1)
-                ]
+            noted += [
+                Sent(sent.t_gen - i * gap, sent.t_sent - i * gap, sent.size, sent.scale)
+                for i in range(min(missed, TUNING.untold_sends), 0, -1)
+            ]
         noted.append(sent)
         self.recent.extend(noted)
         self.sent = sent

@@ -160,7 +160,6 @@ class Streams:
             recent=stream.recent,
             touched=stream.touched,
             reached=stream.reached,
-            interval=stream.interval,
         )
         heir.cover(stream.information_type)
         heir.schedule.assume(stream.schedule.period)

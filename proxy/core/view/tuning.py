@@ -124,8 +124,6 @@ class ViewTuning:
     """Streams are taken to generate no faster than so [s]."""
     leads: tuple[int, ...] = (1, 4)
     """Features that change are forecast for so many periods ahead: for the next sample, and for all later ones."""
-    newest_interval_weight: float = 0.2
-    """What the newest interval between sends counts in their mean."""
     newest_size_weight: float = 0.1
     """What the size of a new sample counts in the mean and the variance of sizes."""
     sent_size_deviations: float = 0.3

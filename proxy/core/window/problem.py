@@ -90,9 +90,7 @@ def problem(now: float, started: float, contents: Contents, limits: Limits) -> P
         constraints=union,
         traffic=tuple(sorted(traffic, key=attrgetter("t_sent"))),
         t_start=min(started, messages[0].t_gen),
-        t_end=t_sent
-        + last.audience.slowest
-        + max(last.stream.interval or last.stream.schedule.period, TUNING.shortest_life),
+        t_end=t_sent + last.audience.slowest + max(last.stream.schedule.period, TUNING.shortest_life),
     )
 
 

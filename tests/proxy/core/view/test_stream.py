@@ -128,7 +128,6 @@ def test_sends_nobody_told_us_of_are_spread_evenly():
     stream.note_sent(1, Sent(1.0, 1.0, 10, 1.0))
     stream.note_sent(4, Sent(4.0, 4.0, 10, 1.0))
     assert [sent.t_sent for sent in stream.recent] == [1.0, 2.0, 3.0, 4.0]
-    assert stream.interval == 1.0
     stream.note_sent(2, Sent(9.0, 9.0, 10, 1.0))
     assert stream.forwarded == 4
     stream.note_generated(0, Generated(1.0, 1, 1.0))
