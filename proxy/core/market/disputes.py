@@ -86,7 +86,7 @@ class Disputes:
             return
         self.due_at = math.inf
         view, self.weighed_at, self._limits, self._alone = self._view, now, limits, alone
-        competing = [s for s in view.contention.all(now) if not alone or s.robot == view.settings.robot]
+        competing = view.contention.all(now, view.settings.robot if alone else None)
         self._generated = {stream.place: stream.generated for stream in competing}
         self._new = count_new(now, competing, limits)
         rows = rows_of(now, view, view.audiences, competing, limits, new=self._new) if limits else []

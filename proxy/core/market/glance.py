@@ -36,8 +36,8 @@ class Glance:
 
     def prices(self, limits: tuple[Limit, ...], *, alone: bool) -> Amounts:
         """Return what a unit of each limit costs [utility·s]; `alone`: only our own streams compete for our part."""
-        view, now, own = self._view, self._now, self._view.settings.robot
-        competing = [s for s in view.contention.all(now) if not alone or s.robot == own] if limits else []
+        view, now = self._view, self._now
+        competing = view.contention.all(now, view.settings.robot if alone else None) if limits else []
         rows = rows_of(now, view, self._audiences, competing, limits, new=count_new(now, competing, limits))
         if alone:
             rows = [row for row in rows if row.has_room(limits)]

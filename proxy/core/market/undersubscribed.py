@@ -40,20 +40,13 @@ class Undersubscribed:
 
     def advance(self, now: float, limits: Sequence[Limit], *, alone: bool) -> None:
         """See what all streams that compete need of these limits, ours `alone` or those of all, if it is time to."""
-        if now < self.looks_at and self.concerns(limits, alone=alone):
+        if now < self.looks_at and self._for == (limits, alone):
             return
         view, self._for = self._view, (limits, alone)
         self._needs, self._new, self._total = {}, set(), (0.0,) * len(limits)
-        streams = (
-            (s for s in view.streams.own() if view.contention.competes(now, s)) if alone else view.contention.all(now)
-        )
-        for stream in streams:
+        for stream in view.contention.all(now, view.settings.robot if alone else None):
             self.note(now, stream)
         self.looks_at = now + max(TUNING.interval, TUNING.interval_each * len(self._needs))
-
-    def concerns(self, limits: Sequence[Limit], *, alone: bool) -> bool:
-        """Whether what is known is of these limits, ours `alone` or those of all."""
-        return self._for == (limits, alone)
 
     def note(self, now: float, stream: Stream) -> None:
         """A stream has generated a sample."""

@@ -61,9 +61,9 @@ class Contention:
             rows = _ranked(now, most, rows)
         return [row.stream for row in rows]
 
-    def all(self, now: float) -> list[Stream]:
-        """Return all streams that compete, by robot and key."""
-        return [row.stream for row in self._competing(now)]
+    def all(self, now: float, robot: str | None = None) -> list[Stream]:
+        """Return all streams that compete, or those of a robot, by robot and key."""
+        return [row.stream for row in self._competing(now) if robot is None or row.stream.robot == robot]
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected by its robot's news."""
