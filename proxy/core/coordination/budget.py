@@ -9,7 +9,7 @@ from dataclasses import replace
 from proxy.core.coordination.claims import news_take
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.equal_parts import NOT_NEEDED
-from proxy.core.coordination.sends import OthersSends, OwnSends, uses_of
+from proxy.core.coordination.sends import OthersSends, OwnSends
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import Openings, Room
 from proxy.core.market.tuning import TUNING as MARKET
@@ -37,7 +37,7 @@ class Handover:
     def in_turn(self, sends: tuple[Send, ...], since: float, limits: tuple[Limit, ...]) -> tuple[Send, ...]:
         """Return what others sent since then [s], each as much later as its room comes to us."""
         if sends is not self._known[0]:
-            senders = [robot for *_, robot in self._view.traffic.sent_since(since)]
+            senders = [robot for _, _, robot, _ in self._view.traffic.sent_since(since)]
             own, others = self._view.traffic.robot, set(senders) - {WORDS}
             names = sorted(others | {own})
             place, step, longest = names.index(own), self._step(), self.longest(len(others), limits)
@@ -63,7 +63,7 @@ class Budget:
         self._memory = 0.0
         """How long sends are remembered [s]."""
         self.own = OwnSends()
-        self._others = OthersSends(view.traffic)
+        self._others = OthersSends(view)
         self._mute_until = -math.inf
         """When the allowance has room for announcements [s]."""
         self._usable_for: tuple[tuple[Limit, ...], tuple[float, ...]] = (), ()
@@ -92,6 +92,7 @@ class Budget:
         places = [before.get(_identity(limit)) for limit in limits]
         if places != list(range(len(self.limits))):
             self.own.renumber(places)
+            self._others.renumber(places)
         self.limits, self._memory = limits, TUNING.stretched_windows * longest_window(limits)
 
     def mute(self, until: float) -> None:
@@ -192,8 +193,12 @@ class Budget:
 
     def use_at_most(self, now: float, use: tuple[float, ...], part: float) -> None:
         """Traffic that nobody decided on is sent now; it counts up to `part` of what is ours, the rest is left."""
-        room = (part * self.whole(now, k) - self.used(now, k) for k in range(len(self.limits)))
-        self.use(now, tuple(max(0.0, min(amount, left)) for amount, left in zip(use, room, strict=True)))
+        limits, counts = self.usable(now), list[float]()
+        for k, (c, amount) in enumerate(zip(limits, use, strict=True)):
+            others = 0.0 if self.alone else self._others.undecided(now - c.window, k, limits)
+            counts.append(max(0.0, min(amount, part * c.limit - self.used(now, k) - others)))
+        self._others.use(now, tuple(counts))
+        self.use(now, tuple(counts))
 
     def others(self, now: float) -> tuple[Send, ...]:
         """What we know others to have sent, as far as it counts; in `split` they have their own parts."""
@@ -237,7 +242,7 @@ class Budget:
         ours = self.own.used(now - window, k)
         if self.alone:
             return ours
-        others = self._others.used(now - window - self.own.leave_after, k, self.limits)
+        others = self._others.used(now - window - self.own.leave_after, k, self.usable(now))
         certain = self._coordination.certain
         if certain > 0.0 and self.limits[k].shared and amount <= TUNING.certain_message * certain * self.whole(now, k):
             return ours + min(others, self.whole(now, k) * (1.0 - certain))
@@ -245,8 +250,9 @@ class Budget:
 
     def _sent_by_others(self, now: float, since: float, *, words: bool = True) -> tuple[Send, ...]:
         """Return what others sent since then; with the `words` that exceeded the allowance, or without."""
-        sent = [] if self.alone else [e for e in self._view.traffic.sent_since(since) if words or e[2] != WORDS]
-        return uses_of(now, sent, self.limits, self.own.leave_after)
+        if self.alone:
+            return ()
+        return self._others.sends(now, since, self.usable(now), self.own.leave_after, words=words)
 
 
 def _all_fit(now: float, view: SharedView, limits: tuple[Limit, ...]) -> bool:

@@ -16,8 +16,10 @@ class TeamLimits:
 
     def set_members(self, now: float) -> None:
         """Somebody came, left, or turned out to have other limits."""
+        aside = self._parts.mismatched.found
+        self._parts.view.members.set_aside(aside)
         self.adopt(now)
-        self._parts.coordination.set_members(now, self._parts.view.peers.keys() - self._parts.mismatched.found)
+        self._parts.coordination.set_members(now, self._parts.view.peers.keys() - aside)
 
     def adopt(self, now: float) -> None:
         """The limits are those of the specs in force, for as many robots as there are."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, tag
 from proxy.core.view.peer import Peer
@@ -18,6 +19,8 @@ class Members:
         self.tags: dict[str, str] = {}
         """The tags of all robots by their names, our own included."""
         self.evicted = 0
+        self._aside: frozenset[str] = frozenset()
+        """Tags of the robots that take no part."""
         self._note_names()
 
     def knows(self, zid: str) -> bool:
@@ -53,6 +56,18 @@ class Members:
     def called(self, robot: str) -> Peer | None:
         """The peer of a name; of one that has restarted its new self, when the old one has not left yet."""
         return self._peers.get(self.tags.get(robot, ""))
+
+    def set_aside(self, names: frozenset[str]) -> None:
+        """The robots with these tags take no part."""
+        self._aside = names
+
+    def decides(self, robot: str, said: str | None) -> bool:
+        """Whether a robot keeps limits with streams of a type of which specs say this mode, if they do."""
+        peer = self.called(robot)
+        if peer is None or peer.tag in self._aside:
+            return False
+        mode = peer.state.mode
+        return (mode if said is None or mode == Mode.PASS else said) in ("", Mode.ENFORCE)  # it may not have said yet
 
     def heir_of(self, name: str) -> Peer | None:
         """Return the robot that has a name that is free now, but was given another one here."""

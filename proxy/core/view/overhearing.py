@@ -110,7 +110,7 @@ class Overhearing:
         if stream is None or stream.last is None:
             stream = self._meet(now, t_gen, event, peer)
         if stream is None or stream.last is None:
-            self._traffic.note_unknown(now, event.size, peer.robot)
+            self._traffic.note_unknown(now, event.size, peer.robot, planned=False)
             return
         # No sample is quicker than the quickest digest: rather later than earlier, or its window seems to be over.
         on_air = now - peer.offset.latency + TUNING.same_sample

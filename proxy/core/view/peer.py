@@ -16,8 +16,8 @@ from proxy.core.view.tuning import TUNING
 
 Amount = tuple[int, int]
 """The size of a sample [B], and in how many copies it goes on the air."""
-Entry = tuple[float, Amount, str]
-"""When something was sent [s], how much, and by which robot."""
+Entry = tuple[float, Amount, str, bool]
+"""When something was sent [s], how much, by which robot, and whether that decided on it, under the limits."""
 
 
 class PendingNews:

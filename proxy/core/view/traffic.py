@@ -4,6 +4,7 @@ import math
 from collections import deque
 
 from proxy.core.model.limits import Limit
+from proxy.core.view.members import Members
 from proxy.core.view.peer import Entry
 from proxy.core.view.stream import Sent, Stream
 from proxy.core.view.subscribers import Subscribers
@@ -16,8 +17,9 @@ WORDS = ""
 class TrafficLog:
     """Our own totals, copies counted, and the sends of others that limits still count."""
 
-    def __init__(self, robot: str, subscribers: Subscribers) -> None:
+    def __init__(self, robot: str, members: Members, subscribers: Subscribers) -> None:
         self.robot = robot
+        self._members = members
         self._subscribers = subscribers
         self.messages = 0
         self.bytes = 0
@@ -46,11 +48,12 @@ class TrafficLog:
         else:
             self.revision += 1
             self.noted += len(noted)
-            self.sends.extend([(each.t_sent, (sent.size, copies), stream.robot) for each in noted])
+            decided = self._members.decides(stream.robot, stream.information_type.mode)
+            self.sends.extend([(each.t_sent, (sent.size, copies), stream.robot, decided) for each in noted])
 
-    def note_unknown(self, at: float, size: int, robot: str, copies: int = 1) -> Entry:
+    def note_unknown(self, at: float, size: int, robot: str, copies: int = 1, *, planned: bool = True) -> Entry:
         """A robot sent something of a stream that we know nothing of, as a rule in one copy; return its entry."""
-        entry = at, (size, copies), robot
+        entry = at, (size, copies), robot, planned and (robot == WORDS or self._members.decides(robot, None))
         self.revision += 1
         self.noted += 1
         self.sends.append(entry)
@@ -75,7 +78,7 @@ class TrafficLog:
     def used(self, now: float, limit: Limit) -> float:
         """Return what other robots use of a limit in the window that ends now, as far as we know."""
         since, use = now - limit.window, limit.measure.use
-        return sum(use(*amount, own=False) for at, amount, _ in self.sends if at >= since)
+        return sum(use(*amount, own=False) for at, amount, *_ in self.sends if at >= since)
 
     def announced(self) -> None:
         """A digest of ours tells what we sent so far."""

@@ -30,7 +30,7 @@ class SharedView:
         self.origins = Origins(settings, self.streams, self.members)
         self.subscribers = Subscribers(settings, self.streams, self.members)
         self.newcomers = Newcomers(self.peers, self.streams, self.subscribers)
-        self.traffic = TrafficLog(settings.robot, self.subscribers)
+        self.traffic = TrafficLog(settings.robot, self.members, self.subscribers)
         self.staleness = Staleness(self.peers)
         self.echoes = Echoes(own, self.peers)
         self.clocks = WallClocks(settings, self.peers)

@@ -2,12 +2,14 @@
 
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from planner import SearchSettings
-from proxy.core.interface.events import TimePassed
+from proxy.core.interface.events import ModeChanged, TimePassed
+from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings
 from studies.simulation.agenda import Agenda
 from studies.simulation.conditions import Conditions
@@ -37,6 +39,16 @@ features.red = {{ kind = "color_fraction", color = "red" }}
 """
 
 
+POSE = """
+[[information_type]]
+name = "pose"
+keys = ["robot/*/pose"]
+aggregation = "most_recent"
+weight = 3.0
+utility = { kind = "video" }
+"""
+
+
 @pytest.fixture
 def specs(tmp_path):
     path = tmp_path / "spec.toml"
@@ -60,10 +72,15 @@ def scene(robots=4, seconds=12.0, rate=10.0, red=0.3, apart=0.023):
     return sorted(frames, key=lambda frame: frame.t_gen)
 
 
-def team(specs, *, robots=4, **changes):
-    interests = {f"r{r}": () for r in range(1, robots + 1)} | {"op": ("robot/*/camera",)}
+def team(specs, *, robots=4, wants=(), **changes):
+    interests = {f"r{r}": wants for r in range(1, robots + 1)} | {"op": wants or ("robot/*/camera",)}
     medium = changes.pop("medium", Medium(RATE))
     return Team(specs, interests, medium, search=SearchSettings(search="best"), **changes)
+
+
+def switch(flight, robot, mode, t):
+    member = flight.members[robot]
+    flight._feed(member, t, ModeChanged(member.now(t), mode))
 
 
 def windows(deliveries):
@@ -219,6 +236,22 @@ def test_nobody_is_woken_again_and_again_while_it_may_not_speak():
             now = max(member.core.wake_at(now), now + 1e-4)
             woken += 1
         assert 1 <= woken < 100
+
+
+def test_a_robot_that_sends_everything_leaves_the_others_their_small_samples(tmp_path):
+    """Twice the limit, which all hear: without the floor none of them sent one after the first seconds."""
+    path = tmp_path / "spec.toml"
+    path.write_text(SPEC + POSE)
+    flight = team(load_specs(path), medium=Medium(100 * RATE), robots=4, wants=("robot/**",))
+    flight.agenda.at(0.5, partial(switch, flight, "r1", Mode.SHADOW))
+    large = [Frame("r1", "robot/r1/camera", 1.0 + 0.2 * k, 9_000, {"red": 0.0}) for k in range(60)]
+    small = [
+        Frame(f"r{r}", f"robot/r{r}/pose", 1.0 + 0.02 * r + 0.2 * k, 150, {}) for r in (2, 3, 4) for k in range(60)
+    ]
+    deliveries = flight.run(sorted(large + small, key=lambda frame: frame.t_gen), 14.0)
+    sent = Counter((d.frame.robot, d.receiver) for d in deliveries if d.t_sent > 3.0)
+    assert sent["r1", "op"] == 50
+    assert min(sent[f"r{r}", "op"] for r in (2, 3, 4)) >= 40
 
 
 def test_robots_split_constraints_of_all_kinds_at_once(tmp_path):

@@ -63,8 +63,8 @@ def names(count):
 def make_budget(make_specs):
     """A budget of one robot beside `peers` others."""
 
-    def make(*limits, kind="announce", peers=1):
-        view = SharedView(CoreSettings("r1", "z1", coordination=kind, settle=0.0), make_specs())
+    def make(*limits, kind="announce", peers=1, specs=None):
+        view = SharedView(CoreSettings("r1", "z1", coordination=kind, settle=0.0), specs or make_specs())
         for number in range(peers):
             view.add_peer(0.0, f"p{number}", f"p{number}")
         coordination = Coordination(0.0, view.settings, view)

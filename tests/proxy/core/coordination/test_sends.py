@@ -1,5 +1,6 @@
 """Our own sends, and how long large samples take to leave."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -7,7 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core.market.room import SendLog
+from proxy.core.protocol.messages import State
+from proxy.core.view.stream import Sent
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, ENERGY, heard
+from tests.proxy.core.talk import SPEC
 
 
 def test_a_large_sample_counts_from_when_the_mesh_took_it(make_budget):
@@ -103,3 +107,60 @@ def test_what_is_counted_of_others_is_what_they_sent(make_budget):
             theirs = sum(use[k] for t, use in budget.others(now) if t >= now - limit.window)
             assert budget.free(now)[k] == pytest.approx(budget.whole(now, k) - theirs)
     assert budget.free(now + 10.0) == [budget.whole(now, k) for k in range(2)]
+
+
+def load(view, now, size, robot="p0"):
+    """A robot sends a sample of a stream that specs plan for."""
+    stream = view.streams.touch(now, robot, f"robot/{robot}/camera")
+    view.traffic.note_sent(stream, stream.forwarded + 1, Sent(now, now, size, 1.0))
+
+
+@pytest.mark.parametrize("how", ["shadow", "pass", "type", "aside", "unplanned"])
+def test_what_others_send_without_a_decision_leaves_the_floor(make_budget, make_specs, how):
+    """In whatever mode a robot or a type is, or with other limits; what they decide on counts all."""
+    text = SPEC.format(limit="8 kbit/s", window=1.0)
+    if how == "type":
+        text = text.replace('name = "camera"', 'name = "camera"\nmode = "shadow"')
+    budget, view = make_budget(specs=make_specs(text=text))
+    view.heard_state(0.5, State("p0", "p0", how if how in ("shadow", "pass") else "enforce", "", number=1))
+    if how == "aside":
+        view.members.set_aside(frozenset(("p0",)))
+    for number in range(20):
+        if how == "unplanned":
+            view.traffic.note_unknown(1.0 + 0.05 * number, 200, "p0", planned=False)
+        else:
+            load(view, 1.0 + 0.05 * number, 200)
+        assert budget.free(1.0 + 0.05 * number) == [1000.0 - min(900.0, 200.0 * (number + 1))]
+    assert sum(use[0] for t, use in budget.others(2.0) if t > 1.0) == pytest.approx(900.0)
+    assert budget.opens(1.99, (100.0,)) == -math.inf < budget.opens(1.99, (101.0,))
+    view.members.set_aside(frozenset())
+    view.heard_state(2.0, State("p0", "p0", "enforce", "", number=2))
+    view.traffic.note_unknown(2.0, 1, "p0")
+    assert budget.free(2.0) == [pytest.approx(99.0)]
+
+
+def test_of_what_others_send_without_a_decision_the_newest_counts(make_budget):
+    """What counts of a burst goes on to do so until it has left the window, whatever came before it."""
+    budget, view = make_budget()
+    for now in (1.0, 1.5):
+        view.traffic.note_unknown(now, 900, "p0", planned=False)
+    assert budget.free(1.6) == budget.free(2.4) == [100.0]
+    assert [use for _, use in budget.others(1.6)] == [(0.0,), (900.0,)]
+    assert budget.free(2.6) == [1000.0]
+
+
+def test_what_nobody_decides_on_leaves_the_floor_whoever_sends_it(make_budget):
+    """What we send so, and what others do, together; where each has its part only ours counts."""
+    budget, view = make_budget()
+    budget.use_at_most(1.0, (500.0,), 0.9)
+    view.traffic.note_unknown(1.1, 5000, "p0", planned=False)
+    assert budget.free(1.2) == [100.0]
+    budget.use_at_most(1.2, (500.0,), 0.9)
+    assert budget.free(1.3) == [100.0]
+    assert budget.used(1.3, 0) == 500.0
+    budget.set_limits((COUNT, BYTES))
+    view.traffic.note_unknown(1.4, 1, "p0", planned=False)
+    assert budget.free(1.4)[1] == 100.0
+    split, _ = make_budget(kind="split")
+    split.use_at_most(1.0, (5000.0,), 0.9)
+    assert split.free(1.0) == pytest.approx([0.1 * split.whole(1.0, 0)])

@@ -108,7 +108,7 @@ def test_what_is_told_beyond_a_tight_allowance_of_a_window_is_load(make_books, t
         return
     first, *_ = load = books.view.traffic.sent_since(0.0)
     assert first[0] == 3.1
-    assert sum(amount * copies for _, (amount, copies), _ in load) == pytest.approx(3 * cost - books.allowed, abs=4)
+    assert sum(amount * copies for _, (amount, copies), *_ in load) == pytest.approx(3 * cost - books.allowed, abs=4)
     books.account.heard_digest(3.0 + 1.5 * WINDOW, size)
     assert books.view.traffic.sent_since(0.0) == load
 
@@ -122,7 +122,7 @@ def test_what_is_told_too_much_takes_the_air_in_all_its_copies(make_books):
         books.account.heard_digest(3.0 + 0.001 * number, 40)
     one = limit.measure.use(40 + TUNING.overhead, 2, own=False)
     last = [entry for entry in books.view.traffic.sends if entry[0] > 3.25]
-    assert sum(limit.measure.use(*amount, own=False) for _, amount, _ in last) == pytest.approx(one * len(last))
+    assert sum(limit.measure.use(*amount, own=False) for _, amount, *_ in last) == pytest.approx(one * len(last))
 
 
 def test_while_more_is_told_all_the_time_all_of_it_is_load(make_books):
@@ -134,7 +134,7 @@ def test_while_more_is_told_all_the_time_all_of_it_is_load(make_books):
         books.account.heard_digest(3.0 + number * WINDOW / 15, cost // books.account.digest_copies - TUNING.overhead)
     end = 3.0 + 29 * WINDOW / 15
     told = books.view.traffic.sent_since(end - 0.99 * WINDOW)
-    load = sum(amount * copies for _, (amount, copies), _ in told)
+    load = sum(amount * copies for _, (amount, copies), *_ in told)
     assert load == pytest.approx(1.5 * books.allowed, abs=cost)
 
 

@@ -44,10 +44,10 @@ def test_what_was_sent_of_a_number_without_a_key_counts_once(view):
     for at, forwarded, size in ((1.0, 0, 10), (1.1, 1, 10), (1.2, 1, 10), (1.3, 2, 30)):
         view.heard_digest(at, digest(at, StreamDigest(7, 4, forwarded, at, at, size, 1.0)))
     view.heard_digest(1.4, digest(1.4, StreamDigest(8, 1, 1, 1.4, 1.4, 0, 1.0)))
-    assert view.traffic.sent_since(0.0) == [(1.1, (10, 1), "r2"), (1.3, (30, 1), "r2")]
+    assert view.traffic.sent_since(0.0) == [(1.1, (10, 1), "r2", True), (1.3, (30, 1), "r2", True)]
     view.subscribers.set_own(("**",))
     meet(view)
-    assert sorted(view.traffic.sent_since(0.0)) == [(1.1, (10, 1), "r2"), (1.3, (30, 1), "r2")]
+    assert sorted(view.traffic.sent_since(0.0)) == [(1.1, (10, 1), "r2", True), (1.3, (30, 1), "r2", True)]
 
 
 def test_what_is_heard_from_the_air_counts_by_that(make_specs):
@@ -136,7 +136,7 @@ def test_a_stream_that_its_robot_met_again_counts_from_the_start(view):
     announce(3.2, 3, stream=9)
     stream = view.streams.known("r2", CAMERA)
     assert (stream.id, stream.generated, stream.forwarded, stream.last.size) == (9, 2, 2, 30)
-    assert [size for _, (size, _), _ in view.traffic.sends] == [10, 20, 30, 40]
+    assert [size for _, (size, _), *_ in view.traffic.sends] == [10, 20, 30, 40]
 
 
 def test_of_a_stream_that_its_robot_met_again_nothing_is_known_until_it_tells(view):

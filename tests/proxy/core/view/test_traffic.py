@@ -15,7 +15,7 @@ def test_only_what_others_sent_is_looked_back_on(view):
     for at, size in ((1.0, 300), (2.0, 200)):
         sent(view, "r1", at, size)
     sent(view, "r2", 2.5)
-    assert view.traffic.sent_since(0.0) == [(2.5, (100, 1), "r2")]
+    assert view.traffic.sent_since(0.0) == [(2.5, (100, 1), "r2", True)]
     assert view.traffic.largest == 300
     view.traffic.announced()
     assert view.traffic.largest == 0
@@ -24,7 +24,7 @@ def test_only_what_others_sent_is_looked_back_on(view):
 def test_what_was_sent_of_an_unknown_stream_is_taken_back_once(view):
     """When it is known of which stream it was."""
     entry, traffic = view.traffic.note_unknown(1.0, 50, "r2"), view.traffic
-    assert traffic.sent_since(1.0) == [entry] == [(1.0, (50, 1), "r2")]
+    assert traffic.sent_since(1.0) == [entry] == [(1.0, (50, 1), "r2", False)]
     traffic.retract(entry)
     revision = traffic.revision
     traffic.retract(entry)

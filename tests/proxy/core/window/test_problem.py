@@ -122,7 +122,7 @@ def test_what_others_sent_of_once_still_uses_the_channel(make_specs):
     view, _ = aggregated(make_specs, '"once"')
     others = add_stream(view, "r2")
     view.traffic.note_sent(others, 1, Sent(9.7, 9.7, 1000, 1.0))
-    assert view.traffic.sent_since(9.0) == [(9.7, (1000, 1), "r2")]
+    assert view.traffic.sent_since(9.0) == [(9.7, (1000, 1), "r2", True)]
     problem = WindowBuilder(view, 0.0).build(10.0, sample(10.0), (), union())[0]
     assert len(problem.streams) == 1
 
