@@ -9,13 +9,15 @@ from proxy.core.view.view import SharedView
 from tests.proxy.core.view.met import CAMERA, digest, meet
 
 
-def test_a_plain_node_is_estimated_from_what_is_heard(view):
-    """Its id is no robot's, so every sample of it counts as generated and sent."""
+@pytest.mark.parametrize(("origin", "robot"), [("feed", "?feed"), (None, "?")])
+def test_a_plain_node_is_estimated_from_what_is_heard(view, origin, robot):
+    """Its id is no robot's, or it does not stamp, so every sample of it counts as generated and sent."""
     for now in (1.0, 1.5, 2.0):
-        view.overhearing.take(SampleHeard(now, "robot/plain/camera", 100, "feed", None, None))
-    view.overhearing.take(SampleHeard(2.0, "no/spec", 100, "feed", None, None))
+        view.overhearing.take(SampleHeard(now, "robot/plain/camera", 100, origin, None, None))
+    view.overhearing.take(SampleHeard(2.0, "no/spec", 100, origin, None, None))
     (stream,) = view.streams
-    assert (stream.robot, stream.generated, stream.forwarded) == ("?feed", 3, 3)
+    assert (stream.robot, stream.generated, stream.forwarded) == (robot, 3, 3)
+    assert sum(size for _, (size, _), *_ in view.traffic.sends) == 300
     assert stream.schedule.period == pytest.approx(0.5)
 
 
