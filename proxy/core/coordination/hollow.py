@@ -10,15 +10,17 @@ while, which is safe where the claims were true. Not where parts are configured,
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.messages import tag
 from proxy.core.view.peer import Peer
+from proxy.core.view.stream import Place, Stream
 from proxy.core.view.view import SharedView
 
+K = TypeVar("K", str, Place)
 Sent = tuple[float, float]
 """Messages and bytes, copies counted."""
 
@@ -41,6 +43,8 @@ class _Account(NamedTuple):
     streams: Mapping[str, tuple[int, int, float]]
     """By key, with their mean sizes [B]."""
     claims: Mapping[str, _Claim]
+    plain: Mapping[Place, tuple[int, float]]
+    """Of the streams of plain nodes how many messages were heard, copies counted, and their mean size [B]."""
 
 
 class Hollow:
@@ -121,15 +125,20 @@ def _account(now: float, view: SharedView) -> _Account:
         s.key: (s.generated, s.forwarded, s.sizes.mean) for s in view.streams.own() if view.contention.competes(now, s)
     }
     claims = {name: _claim(now, peer, view) for name, peer in view.peers.items() if not peer.plain}
-    return _Account(now, (view.traffic.messages, view.traffic.bytes), own, claims)
+    plain = {s.place: _heard(s, view) for s in view.streams.plain()}
+    return _Account(now, (view.traffic.messages, view.traffic.bytes), own, claims, plain)
 
 
 def _claim(now: float, peer: Peer, view: SharedView) -> _Claim:
     own = view.streams.of(peer.robot)
-    streams = {s.key: (s.forwarded * view.subscribers.copies(s), s.sizes.mean) for s in own}
+    streams = {s.key: _heard(s, view) for s in own}
     told, *counted = peer.counted or (-math.inf, 0, 0)
     came = {**peer.came, tag(view.settings.zid): (now, peer.inbound.samples)}
     return _Claim(told, (counted[0], counted[1]), streams, came)
+
+
+def _heard(stream: Stream, view: SharedView) -> tuple[int, float]:
+    return stream.forwarded * view.subscribers.copies(stream), stream.sizes.mean
 
 
 def _all_told(before: _Account, after: _Account, view: SharedView) -> bool:
@@ -173,7 +182,8 @@ def _use(
     """
     elapsed = after.at - before.at
     ours = _part(_less(after.ours, before.ours), elapsed, limits)
-    every = list(ours)
+    plain = _part(_of_streams(before.plain, after.plain), elapsed, limits)
+    every = [total + use for total, use in zip(ours, plain, strict=True)]
     for name in before.claims.keys() & after.claims.keys():
         both, receivers = (before.claims[name], after.claims[name]), _receivers(name, view)
         claimed, came = _confirmed(*both, elapsed, receivers, limits)
@@ -190,7 +200,10 @@ def _confirmed(
     apart = now.told - then.told if 0.0 < now.told - then.told < math.inf else elapsed
     told = [
         (sent[0], _part(sent, since, limits))
-        for sent, since in ((_less(now.counted, then.counted), apart), (_of_streams(then, now), elapsed))
+        for sent, since in (
+            (_less(now.counted, then.counted), apart),
+            (_of_streams(then.streams, now.streams), elapsed),
+        )
     ]
     messages, use = max(told, key=lambda each: max(each[1]))
     came = sum(max(0, now.came[by][1] - then.came[by][1]) for by in receivers if by in now.came and by in then.came)
@@ -201,10 +214,9 @@ def _less(after: Sent, before: Sent) -> Sent:
     return after[0] - before[0], after[1] - before[1]
 
 
-def _of_streams(then: _Claim, now: _Claim) -> Sent:
-    """Return what was sent of a robot's streams meanwhile, by the mean sizes that they have now."""
-    known = now.streams.keys() & then.streams.keys()
-    sent = [(now.streams[key][0] - then.streams[key][0], now.streams[key][1]) for key in known]
+def _of_streams(then: Mapping[K, tuple[int, float]], now: Mapping[K, tuple[int, float]]) -> Sent:
+    """Return what was sent of streams meanwhile, by the mean sizes that they have now."""
+    sent = [(now[key][0] - then[key][0], now[key][1]) for key in now.keys() & then.keys()]
     return sum(count for count, _ in sent), sum(count * size for count, size in sent)
 
 

@@ -46,8 +46,9 @@ def specs(tmp_path_factory):
 class Air:
     """Cores a and b, and robot c that says what `lies` makes; a publishes half of the limit, which b wants."""
 
-    def __init__(self, specs, coordination="announce"):
-        self.cores = {n: Core(CoreSettings(n, TAGS[n], coordination=coordination), specs, 0.0) for n in "ab"}
+    def __init__(self, specs, coordination="announce", **settings):
+        settings |= {"coordination": coordination}
+        self.cores = {n: Core(CoreSettings(n, TAGS[n], **settings), specs, 0.0) for n in "ab"}
         self.sent, self.now = [], 0.0
         self._heap, self._order, self._states = [], count(), {}
         for name, other in ("ab", "ba"):
@@ -184,6 +185,21 @@ def test_without_lies_nothing_is_hollow(specs):
 
 
 @pytest.mark.full
+def test_what_plain_nodes_are_heard_to_send_is_no_claim(specs):
+    """They tell nothing, and nobody what came of them: who gives way to them goes on to do so."""
+    air = Air(specs, allowance=0.2)
+
+    def publish():
+        for name in "ab":
+            air.tell(name, ev.SampleHeard(air.now, "camera/p", 500, None, None, None))
+
+    air.each(0.02, publish)
+    while air.now < 40.0:
+        air.run(air.now + 1.0)
+        assert not air.found()
+    assert 0 < air.rate(10.0) < 0.3 * LIMIT
+
+
 def test_who_sends_little_for_reasons_of_its_own_is_wronged_by_nobody(tmp_path):
     """A battery that is nearly empty is no lie of robots that have nothing to say."""
     path = tmp_path / "spec.toml"
