@@ -236,7 +236,7 @@ class Budget:
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
         since = now - stretched if turn.began == -math.inf else turn.began
         if self._coordination.keeps > 0.0:
-            return not _large_since(self, since)
+            return since <= now and not _large_since(self, since)
         others = self._sent_by_others(now, since, words=False)
         return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 

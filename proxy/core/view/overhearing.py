@@ -86,7 +86,8 @@ class Overhearing:
 
     def take(self, event: SampleHeard) -> None:
         """A sample of another robot arrived from the mesh."""
-        now = event.now  # daemons stamp all that they send
+        now = event.now
+        # Daemons stamp all that they send.
         robot = PLAIN if event.origin is None else self._origins.robot_of(event.origin)
         peer = self._members.called(robot)
         if peer is not None and peer.plain:
