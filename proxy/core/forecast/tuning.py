@@ -27,6 +27,8 @@ class ForecastTuning:
     """and grows as these do, so that the bound does: by one in so many."""
     few: int = 6
     """With fewer samples the jitter is not known: it is taken for a tenth of the period at least."""
+    least_jitter: float = 0.02
+    """... but for when the next one comes, where this part of it is enough: a tenth held up others for too long."""
     gate: float = 4.0
     """A sample may be so many times the jitter off its time,"""
     least_gate: float = 0.1

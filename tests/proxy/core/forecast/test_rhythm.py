@@ -91,6 +91,6 @@ def test_the_longer_ago_a_rhythm_was_found_and_from_the_fewer_samples_the_less_s
 
 def test_a_few_samples_that_happen_to_be_on_a_line_are_no_reason_to_be_sure():
     """Two always are: one of two robots that began took the other's next sample for sent 10 ms before it came."""
-    assert Rhythm(1.0, 0.0, 2, 0.0, 4).uncertainty(0.0) >= 0.1
+    assert Rhythm(1.0, 0.0, 2, 0.0, 4).uncertainty(0.0) >= 0.02
     assert Rhythm(1.0, 0.0, 2, 0.3, 4).uncertainty(0.0) >= 0.3
     assert Rhythm(1.0, 0.0, 8, 0.0, 8).uncertainty(0.0) == 0.0
