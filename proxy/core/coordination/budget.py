@@ -14,7 +14,6 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import Openings, Room
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Limits, Send, changes_plans, exceeds, longest_window, shortest_window, use_of
-from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.view.traffic import WORDS
 from proxy.core.view.view import SharedView
 
@@ -209,15 +208,12 @@ class Budget:
             self._others_sent = self._sent_by_others(now, now - self._memory)
         return self._others_sent
 
-    def problem_limits(self, now: float, use: tuple[float, ...] = ()) -> Limits:
-        """Return the constraints of a problem, and what was sent that still counts for a message with this use."""
+    def problem_limits(self, now: float) -> Limits:
+        """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
         words = self._view.traffic.words_at >= since and _all_fit(now, self._view, self.limits)
         others = self._sent_by_others(now, since, words=words)
-        usable, sent = self.usable(now), self.own.since(since)
-        if self._coordination.keeps > 0.0 and any(amount > c.limit for amount, c in zip(use, usable, strict=False)):
-            sent = _large_since(self, since)
-        return Limits(usable, tuple(sent), others, alone=self.alone, agreed=self.agreed)
+        return Limits(self.usable(now), tuple(self.own.since(since)), others, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than all that may be used has a stretched window for itself, or our turn."""
@@ -235,8 +231,6 @@ class Budget:
             return self._counted(now, k, limit.window, amount) + amount <= whole
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
         since = now - stretched if turn.began == -math.inf else turn.began
-        if self._coordination.keeps > 0.0:
-            return since <= now and not _large_since(self, since)
         others = self._sent_by_others(now, since, words=False)
         return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
@@ -247,8 +241,7 @@ class Budget:
         """
         ours = self.own.used(now - window, k)
         if self.alone:
-            keeps = self._coordination.keeps > 0.0
-            return ours - _overdrawn(self, now, k, amount, self._view.specs.floor) if keeps else ours
+            return ours
         others = self._others.used(now - window - self.own.leave_after, k, self.usable(now))
         certain = self._coordination.certain
         if certain > 0.0 and self.limits[k].shared and amount <= TUNING.certain_message * certain * self.whole(now, k):
@@ -266,26 +259,6 @@ def _all_fit(now: float, view: SharedView, limits: tuple[Limit, ...]) -> bool:
     """Whether no message is larger than a limit: plans send such a one only where nothing else was sent."""
     amounts = ((round(each.sizes.mean), view.subscribers.copies(each)) for each in view.contention.all(now))
     return not any(exceeds(1.0, use_of(*amount, limits), limits) for amount in amounts)
-
-
-def _large_since(budget: Budget, since: float) -> list[Send]:
-    """Return what we sent since then, but for what is small: beside that goes what an equal part has no room for.
-
-    Robots that kept to equal parts after heavy loss sent no frame for a minute, as they sent poses all the time.
-    """
-    return [send for send in budget.own.since(since) if changes_plans(send[1], budget.limits)]
-
-
-def _overdrawn(budget: Budget, now: float, k: int, amount: float, floor: float) -> float:
-    """Return what does not count for a small message of what we sent beyond an equal part, so as to leave the `floor`.
-
-    Else the larger message takes the room of all small ones for a window.
-    """
-    limit, whole = budget.limits[k], budget.whole(now, k)
-    if amount > MODEL.large * limit.limit or budget.used(now, k) <= whole:
-        return 0.0
-    large = sum(use[k] for _, use in _large_since(budget, now - limit.window))
-    return max(0.0, large - (1.0 - floor) * whole)
 
 
 def using(budget: Budget, now: float) -> float:

@@ -58,7 +58,7 @@ class CopyGate:
             return [self._send(now, stream, copy, use)]
         scale = rounded(stream.information_type.scale(copy.waiting.features))
         sample = replace(copy.waiting, scale=scale, to=copy.to)
-        return [self._search.start(now, sample, self._inbox, ticket, copy=copy)]
+        return [self._search.start(now, sample, self._inbox, ticket, copy)]
 
     def decided(self, now: float, copy: Copy, searched: Searched) -> list[Command]:
         """Take the answer for a copy: one that is not sent now may be sent later, when there is more room."""

@@ -246,7 +246,7 @@ class Gate:
             return self.outcomes.refuse(now, stream, sample, why)
         if lacking := self.appraisal.lacking_beside_booked(now, use):
             return self.outcomes.refuse(now, stream, sample, Why(CONSTRAINT, "", lacking, BOOKED))
-        return self.search.start(now, sample, self._inbox, self._tickets, use=use)
+        return self.search.start(now, sample, self._inbox, self._tickets)
 
     def _decided(self, event: DecisionReady, pending: Pending, plan: Plan) -> list[Command]:
         """Do what the plan says, as far as the limits still have room."""

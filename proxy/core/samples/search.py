@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from planner import Plan
 from proxy.core.coordination.budget import Budget
 from proxy.core.interface.commands import Command, Decide
-from proxy.core.market.standing import Amounts
 from proxy.core.model.settings import CoreSettings
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.away import Copy
@@ -61,11 +60,9 @@ class Search:
         """Until when an answer may well come [s]; −∞ where none is awaited."""
         return -math.inf if self.pending is None else self.pending.asked + TUNING.answered_within
 
-    def start(
-        self, now: float, sample: Waiting, inbox: Inbox, ticket: int, *, use: Amounts = (), copy: Copy | None = None
-    ) -> Command:
-        """Have a sample with this use decided, or the copy of one, while others wait in the inbox."""
-        window = self._windows.build(now, sample, inbox, self._budget.problem_limits(now, use), self._size.messages)
+    def start(self, now: float, sample: Waiting, inbox: Inbox, ticket: int, copy: Copy | None = None) -> Command:
+        """Have a sample decided, or the copy of one, while others wait in the inbox."""
+        window = self._windows.build(now, sample, inbox, self._budget.problem_limits(now), self._size.messages)
         held = sum(not message.sent for message in window.problem.messages) - 1
         thinned = self._size.messages < window.full
         if thinned:

@@ -1,6 +1,5 @@
 """A team of the daemon's cores on one simulated medium."""
 
-import math
 from collections import Counter
 from dataclasses import replace
 from functools import partial
@@ -237,27 +236,6 @@ def test_nobody_is_woken_again_and_again_while_it_may_not_speak():
             now = max(member.core.wake_at(now), now + 1e-4)
             woken += 1
         assert 1 <= woken < 100
-
-
-@pytest.mark.parametrize("small", ["pose", "note"])
-def test_who_keeps_to_an_equal_part_sends_what_is_larger_beside_small_samples(tmp_path, small):
-    """As robots do after heavy loss: no frame was sent for a minute, as poses were, whether specs cover them or not."""
-    path = tmp_path / "spec.toml"
-    path.write_text(SPEC + POSE)
-    flight = team(load_specs(path), medium=Medium(100 * RATE), robots=4, wants=("robot/**",))
-    for member in flight.members.values():
-        member.core.coordination.hollow._until = math.inf
-    frames = scene(seconds=10.0) + [
-        Frame(f"r{r}", f"robot/r{r}/{small}", 1.0 + 0.013 * r + 0.2 * k, 100, {})
-        for r in range(1, 5)
-        for k in range(50)
-    ]
-    deliveries = flight.run(sorted(frames, key=lambda frame: frame.t_gen), 11.0)
-    sent = Counter(d.frame.key.split("/")[-1] for d in deliveries if d.receiver == "op")
-    robots = {d.frame.robot for d in deliveries if d.frame.key.endswith("camera") and d.t_sent > 4.0}
-    assert robots == {"r1", "r2", "r3", "r4"}
-    assert sent[small] >= 160  # of 200: poses take a bit more than the floor of a part
-    assert sent["camera"] >= 15
 
 
 def test_a_robot_that_sends_everything_leaves_the_others_their_small_samples(tmp_path):
