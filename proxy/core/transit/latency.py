@@ -1,12 +1,13 @@
 """How long samples take from being sent to being received, by their size: a fixed part, and one per byte.
 
-A robust line through recent samples of all sizes: the median slope of pairs that are half of them apart in size (after
-Theil and Sen), never negative, and the median of what is left.
+A robust line: medians of recent samples by classes of sizes, and the weighted median of the slopes between them (after
+Theil and Sen; weights by distance, after Jaeckel), never negative.
 """
 
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import combinations
 from typing import NamedTuple
 
 from proxy.core.transit.tuning import TUNING
@@ -30,6 +31,15 @@ class _Taken(NamedTuple):
     at: float
     size: float
     time: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Class:
+    """Medians of the recent messages of about one size."""
+
+    size: float
+    time: float
+    count: int
 
 
 class LatencyFit:
@@ -60,16 +70,16 @@ class LatencyFit:
         return self._line
 
     def _fitted(self) -> Latency | None:
-        taken = sorted([(each.size, each.time) for of in self._classes.values() for each in self._recent(of)])
-        if len(taken) < TUNING.fewest_messages:
+        classes = [_summed_up(taken) for _, each in sorted(self._classes.items()) if (taken := self._recent(each))]
+        if sum(each.count for each in classes) < TUNING.fewest_messages:
             return None
-        slopes = [
-            (time - sooner) / (large - small)
-            for (small, sooner), (large, time) in zip(taken, taken[len(taken) // 2 :], strict=False)
-            if large > TUNING.distinct_size_ratio * small
-        ]
-        slope = max(0.0, middle(slopes)) if len(slopes) >= TUNING.fewest_messages else 0.0
-        return Latency(max(0.0, middle([time - slope * size for size, time in taken])), slope)
+        if len(classes) == 1:
+            return Latency(classes[0].time)
+        slope = _slope([each for each in classes if each.count >= TUNING.fewest_messages])
+        fixed = weighted_median((each.time - slope * each.size, float(each.count)) for each in classes)
+        if fixed >= 0.0:
+            return Latency(fixed, slope)
+        return Latency(0.0, weighted_median((each.time / each.size, each.count * each.size) for each in classes))
 
     def _recent(self, taken: deque[_Taken]) -> deque[_Taken]:
         while taken and taken[0].at < self._newest - TUNING.messages_for:
@@ -82,3 +92,31 @@ def middle(values: Iterable[float]) -> float:
     ordered = sorted(values)
     half = len(ordered) // 2
     return ordered[half] if len(ordered) % 2 else (ordered[half - 1] + ordered[half]) / 2.0
+
+
+def weighted_median(values: Iterable[tuple[float, float]]) -> float:
+    """Return the median of values with weights; between two that share the middle their mean. There is at least one."""
+    ordered = sorted(values)
+    half = sum(weight for _, weight in ordered) / 2.0
+    passed = 0.0
+    for (value, weight), (after, _) in zip(ordered, [*ordered[1:], ordered[-1]], strict=True):
+        passed += weight
+        if passed == half:
+            return (value + after) / 2.0
+        if passed > half:
+            return value
+    return ordered[-1][0]
+
+
+def _summed_up(taken: deque[_Taken]) -> _Class:
+    return _Class(max(1.0, middle([each.size for each in taken])), middle([each.time for each in taken]), len(taken))
+
+
+def _slope(classes: list[_Class]) -> float:
+    """Time per byte [s/B]; 0.0 where sizes are too much alike to tell."""
+    slopes = [
+        ((large.time - small.time) / (large.size - small.size), large.size - small.size)
+        for small, large in combinations(sorted(classes, key=lambda each: each.size), 2)
+        if large.size > TUNING.distinct_size_ratio * small.size
+    ]
+    return max(0.0, weighted_median(slopes)) if slopes else 0.0

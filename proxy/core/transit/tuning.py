@@ -68,7 +68,7 @@ class TransitTuning:
     messages_for: float = 60.0
     """Messages that came so long before the newest one count no more [s]."""
     fewest_messages: int = 3
-    """Fewer messages say nothing, and fewer pairs of them, one larger than the other, nothing about the slope."""
+    """A class of fewer messages says nothing about the slope, and as few of all sizes say nothing at all."""
     distinct_size_ratio: float = 1.5
     """Sizes with a smaller ratio than this count as one."""
     size_classes: int = 24

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.transit.latency import Latency, LatencyFit, middle
+from proxy.core.transit.latency import Latency, LatencyFit, middle, weighted_median
 from proxy.core.transit.tuning import TUNING
 
 SEEDS = st.integers(0, 10_000)
@@ -97,6 +97,13 @@ def test_a_size_that_is_seldom_sent_is_not_forgotten_because_of_the_others():
     assert fit.line.of(40_000) == pytest.approx(0.5)
     fit.observe(1.0 + TUNING.messages_for, 100, 0.1)
     assert fit.line == Latency(0.1, 0.0)
+
+
+def test_the_weighted_median_halves_the_weight():
+    """Between two values that share the middle lies their mean."""
+    assert weighted_median([(1.0, 1.0), (2.0, 1.0)]) == 1.5
+    assert weighted_median([(3.0, 5.0), (1.0, 1.0), (2.0, 1.0)]) == 3.0
+    assert weighted_median([(7.0, 1.0)]) == 7.0
 
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=40))
