@@ -197,7 +197,8 @@ class Budget:
         for k, (c, amount) in enumerate(zip(limits, use, strict=True)):
             others = 0.0 if self.alone else self._others.undecided(now - c.window, k, limits)
             counts.append(max(0.0, min(amount, part * c.limit - self.used(now, k) - others)))
-        self._others.use(now, tuple(counts))
+        self._others.use(now, tuple(counts), limits)
+        self._others_known = (-math.inf, 0, (), False)  # what of theirs counts is less now
         self.use(now, tuple(counts))
 
     def others(self, now: float) -> tuple[Send, ...]:

@@ -216,7 +216,7 @@ def _less(after: Sent, before: Sent) -> Sent:
 
 def _of_streams(then: Mapping[K, tuple[int, float]], now: Mapping[K, tuple[int, float]]) -> Sent:
     """Return what was sent of streams meanwhile, by the mean sizes that they have now."""
-    sent = [(now[key][0] - then[key][0], now[key][1]) for key in now.keys() & then.keys()]
+    sent = [(max(0, now[key][0] - then[key][0]), now[key][1]) for key in now.keys() & then.keys()]  # some begin anew
     return sum(count for count, _ in sent), sum(count * size for count, size in sent)
 
 

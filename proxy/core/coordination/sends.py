@@ -70,9 +70,9 @@ class OthersSends:
         """New limits are in force, which were at these places before."""
         self._ours.renumber(places)
 
-    def use(self, now: float, use: tuple[float, ...]) -> None:
+    def use(self, now: float, use: tuple[float, ...], limits: tuple[Limit, ...]) -> None:
         """Something of ours that nobody decides on is sent now, and counts as this."""
-        self._ours.forget(now - 2.0 * longest_window(self._limits))
+        self._ours.forget(now - 2.0 * longest_window(limits))
         self._ours.add(now, use)
 
     def used(self, since: float, k: int, limits: tuple[Limit, ...]) -> float:
@@ -98,7 +98,8 @@ class OthersSends:
         sent = [each for each in self._traffic.sent_since(since) if words or each[2] != WORDS]
         alike = {amount: use_of(*amount, limits, own=False) for amount in {amount for _, amount, *_ in sent}}
         uses = [alike[amount] for _, amount, *_ in sent]
-        undecided = [place for place, (*_, decided) in enumerate(sent) if not decided]
+        # Digests come late, and in any order.
+        undecided = sorted((k for k, (*_, decided) in enumerate(sent) if not decided), key=lambda k: sent[k][0])
         if undecided:
             times = [sent[place][0] for place in undecided]
             counts = zip(

@@ -161,6 +161,8 @@ class DigestBudget:
         self._own = MODEL.least_allowance
         """What is left of our share for ordinary news [B]."""
         self._updated = now
+        self._afforded = math.inf
+        """Since when that pays for an ordinary digest [s]; infinite where it does not."""
         self._size, self._brief = 64.0, 48.0
         """What the last ordinary digest took, and the last other one [B]."""
         self.last_ordinary = now - TUNING.slowest_digest
@@ -212,6 +214,7 @@ class DigestBudget:
             rate = self._own_rate(self._common)
             self.echoes.gain(elapsed * rate, self._most_own(rate))
             self._own -= self.states.gain(elapsed)
+            self._afforded = min(self._afforded, now) if self._own >= self._size * self._copies else math.inf
 
     @property
     def told_lately(self) -> float:
@@ -237,6 +240,7 @@ class DigestBudget:
             return
         self._size, self.last_ordinary = float(size + TUNING.overhead), now
         self._own -= cost
+        self._afforded = math.inf
         self._turn = (self._turn + GOLDEN) % 1.0
 
     def due(self, now: float, *, apart: float, copies: int) -> float:
@@ -249,8 +253,8 @@ class DigestBudget:
         common, own = self._levels(now)
         # Where all have waited for the allowance, they do not go on at the same moment.
         turn = 1.0 + self._turn
-        # Who waits for room waits no less as others use up the allowance: since when we afford it stays as it was.
-        affordable = now + (cost - own) / self._own_rate(common if own < cost else 0.0)
+        # Who waits for room waits no less as others use up the allowance, nor for ever.
+        affordable = min(self._afforded, now + (cost - own) / self._own_rate(common if own < cost else 0.0))
         room = now + max(0.0, cost * turn - common) / self.rate
         fits, patience = self._fits_at(now, cost), TUNING.unhurried if self._splits and not self._follows else slowest
         window = self._window if self._window < slowest else 0.0

@@ -37,7 +37,7 @@ def test_an_unreachable_endpoint_is_said_once_and_again_when_linked(stack, caplo
 def test_nothing_is_said_without_endpoints(stack, caplog):
     """With scouting only there is nothing to miss."""
     Links(closing(stack, plain_session("peer")), (), 0.0).check(100.0)
-    assert not caplog.records
+    assert not [each for each in caplog.records if each.name == "proxy.bridge.links"]
 
 
 @pytest.mark.parametrize(

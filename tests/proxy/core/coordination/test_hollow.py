@@ -184,7 +184,6 @@ def test_without_lies_nothing_is_hollow(specs):
     assert not air.found()
 
 
-@pytest.mark.full
 def test_what_plain_nodes_are_heard_to_send_is_no_claim(specs):
     """They tell nothing, and nobody what came of them: who gives way to them goes on to do so."""
     air = Air(specs, allowance=0.2)
@@ -200,6 +199,7 @@ def test_what_plain_nodes_are_heard_to_send_is_no_claim(specs):
     assert 0 < air.rate(10.0) < 0.3 * LIMIT
 
 
+@pytest.mark.full
 def test_who_sends_little_for_reasons_of_its_own_is_wronged_by_nobody(tmp_path):
     """A battery that is nearly empty is no lie of robots that have nothing to say."""
     path = tmp_path / "spec.toml"

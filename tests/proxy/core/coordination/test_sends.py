@@ -164,3 +164,22 @@ def test_what_nobody_decides_on_leaves_the_floor_whoever_sends_it(make_budget):
     split, _ = make_budget(kind="split")
     split.use_at_most(1.0, (5000.0,), 0.9)
     assert split.free(1.0) == pytest.approx([0.1 * split.whole(1.0, 0)])
+
+
+def test_of_what_nobody_decided_on_the_newest_counts_in_whatever_order_it_is_told(make_budget):
+    """Windows that end later hold no more of it than limits leave it."""
+    for order in ((1.5, 2.0), (2.0, 1.5)):
+        budget, view = make_budget()
+        for now in order:
+            view.traffic.note_unknown(now, 900, "p0", planned=False)
+        assert {t: use for t, (use, *_) in budget.others(2.1)} == {1.5: 0.0, 2.0: 900.0}
+
+
+def test_what_of_ours_nobody_decided_on_counts_at_once_for_what_theirs_may_take(make_budget):
+    """Beside it theirs count for less, in the same moment, too."""
+    budget, view = make_budget()
+    view.traffic.note_unknown(1.0, 900, "p0", planned=False)
+    assert budget.others(1.1) == ((1.0, (900.0,)),)
+    budget.use_at_most(1.1, (100.0,), 1.0)
+    taken = budget.used(1.1, 0)
+    assert budget.others(1.1) == ((1.0, (900.0 - taken,)),)

@@ -148,6 +148,21 @@ def test_nobody_is_silenced_by_what_others_tell():
     assert budget.due_ahead(20.0, AHEAD) <= 20.0 + TUNING.deepest_debt - AHEAD
 
 
+@pytest.mark.parametrize("window", [0.25, 0.5, 0.9])
+def test_nobody_is_silenced_by_others_that_use_up_the_allowance(window):
+    """A window and a digest's turn after its part paid for it a robot tells its news, whatever the others do."""
+    budget, told = DigestBudget(0.0), 0
+    budget.set_rate(1000.0, 4, 1)
+    for step in range(3000):
+        now = 0.02 * step
+        budget.follow(now, splits=False, quiet=False, begins=False, window=window)
+        budget.heard(now, 6, 1)
+        if budget.due(now, apart=0.0, copies=1) <= now:
+            budget.sent(now, SIZE, 1)
+            told += 1
+    assert told >= 30
+
+
 def test_two_robots_that_waited_for_the_allowance_do_not_tell_at_the_same_moment():
     """They begin with other turns, and each digest moves its robot's on."""
     one, other = (budget_of(1000.0, robots=2, turn=turn) for turn in (0.1, 0.6))
