@@ -80,7 +80,7 @@ class EchoBudget:
         """Return some of the echoes, for a digest of `size` bytes so far, in so many copies, that goes out now.
 
         Larger ones than a window has room for meet others there (*mixed*, eight robots, 1 % of the digests lost: 1.5 %
-        of the windows over the limit without that, now 1.1).
+        of the windows over the limit without that, now 1.3).
         """
         known = {echo.peer: echo for echo in echoes}
         self._echoed = {peer: at for peer, at in self._echoed.items() if peer in known}

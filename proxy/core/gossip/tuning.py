@@ -39,7 +39,7 @@ class GossipTuning:
     beside one that said fifty a second two of four robots used 28 % of the limit for good."""
     beside: float = 0.4
     """A digest of any size may go where the window holds up to this part of what may be told in it: eight robots whose
-    digests took nearly all of it told them after some time at one moment (1.6 % of windows over, now 1.1)."""
+    digests took nearly all of it told them after some time at one moment (1.6 % of windows over, now 1.3)."""
     answers: float = 1.5
     """What all robots answer takes so many times what the allowance has room for meanwhile: other news go on beside."""
     fewest_sends: float = 2.0
