@@ -10,8 +10,9 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.full
 KEY = "camera/liar"
-SMALL, SMALL_PART = "camera/small", 0.95
-"""What each robot has room for whatever is claimed, and how much of that comes at least."""
+SMALL, SMALL_PART = "camera/small", 0.9
+"""What each robot has room for whatever is claimed, and how much of that comes at least: until a liar is found out,
+after some 2 s, up to half finds no room beside what the robot itself sent before (0.93 to 0.98 of some 65 in all)."""
 SHARE = 0.9 / 3
 """Of three robots, less what news and whole samples take of it."""
 LIMIT, SIZE, RATE = 50_000, 500, 50
@@ -85,7 +86,7 @@ def test_beside_a_liar_each_robot_keeps_its_share(play, stack, kind):
     speaker.stop()
     wait_until(lambda: urgent.last == speaker.said - 1, what="the last of what bypasses")
     assert len(urgent.heard) >= speaker.said - first, "what bypasses was held up"
-    scene.finish(most=scene.speaker.said + speaker.said + voice.said)
+    scene.finish(most=scene.stop() + speaker.said + voice.said)
 
 
 def kept(scene):
