@@ -42,7 +42,7 @@ def test_a_flood_of_keys_is_bounded(play):
         f"{KEYS} keys at once: decided {took:.1f} s later, {1000 * each:.1f} ms of processor time each, {more} MB more"
     )
     assert len(scene.first.status()["streams"]) <= STREAMS
-    scene.finish(most=scene.speaker.said + KEYS, growth=CROWD)
+    scene.finish(most=scene.stop() + KEYS, growth=CROWD)
 
 
 def taken(scene):
