@@ -38,8 +38,8 @@ class Rhythm(NamedTuple):
     def uncertainty(self, t: float) -> float:
         """The standard deviation of the time of a sample that is due at about `t`; it grows with the time since [s].
 
-        Two samples are always on a line: of 16 flights of four robots that began together two lost 33 small samples, as
-        two robots sent a frame at one moment, and lose none.
+        Two samples are always on a line: four robots that began together lost 33 small samples, as two sent a frame at
+        one moment, and lose none.
         """
         known = max(self.known, 2)
         jitter = self.jitter if known >= TUNING.few else max(self.jitter, TUNING.least_jitter * self.period)

@@ -88,11 +88,10 @@ class Account:
         self.told += _cost(size, copies)
 
     def _count(self, now: float, size: int, copies: int) -> int:
-        """Return what something takes in so many copies [B]: load, while a window holds more than it may.
+        """Return what something takes in so many copies [B]: load, while a window holds more than a tight allowance.
 
         Else 10 % of the windows of twelve robots that announced large samples ahead of it were over the limit. All that
-        is told then counts, not just the excess. Only where the allowance is tight, or a team begins: else eight robots
-        with cameras sent 4 % less.
+        is told then counts, not just the excess. Where it is not tight eight robots with cameras sent 4 % less so.
         """
         cost, window = _cost(size, copies), self.window
         more = min(cost, round(self._budget.told_lately - self._allowance * window))

@@ -218,12 +218,8 @@ class DigestBudget:
 
     @property
     def told_lately(self) -> float:
-        """What all told in the last window where that is much, as of the last word [B]; else nothing.
-
-        So it is where announcements take most of the allowance, and as a team begins: eight robots tell a quarter of a
-        limit then. Four of 16 such teams filled 1.3 or 1.4 limits without that, and one does (simulation).
-        """
-        return self._recent.total if self._tight or self._saved else 0.0
+        """What all told in the last window where announcements take most of the allowance, as of the last word [B]."""
+        return self._recent.total if self._tight else 0.0
 
     def heard(self, now: float, size: int, copies: int) -> None:
         """Another robot told something of so many bytes, in so many copies."""

@@ -112,11 +112,10 @@ def begins_together(robots, seed):
     return small, [frame for frame in small if id(frame) not in sent], held.max() / mission.limit
 
 
-@pytest.mark.parametrize(("robots", "seeds", "fullest"), [(4, (1, 2, 3, 4, 5), 1.3), (8, (2, 7), 1.1)])
-def test_a_team_that_begins_in_one_moment_loses_hardly_a_small_sample(robots, seeds, fullest):
-    """Two seconds after its daemons: nearly two frames fill the limit, and what robots tell first takes a quarter."""
-    flights = [begins_together(robots, seed) for seed in seeds]
-    small, lost = (sum(len(flight[k]) for flight in flights) for k in (0, 1))
-    assert small > 20 * robots * len(seeds)
-    assert lost <= 0.01 * small
-    assert max(held for *_, held in flights) <= fullest
+@pytest.mark.parametrize(("robots", "seed"), [(4, 3), (8, 2)])
+def test_a_team_that_begins_in_one_moment_loses_no_small_sample(robots, seed):
+    """Two seconds after its daemons: nearly two frames fill the limit."""
+    small, lost, held = begins_together(robots, seed)
+    assert len(small) > 20 * robots
+    assert not lost
+    assert held <= 1.1

@@ -241,17 +241,6 @@ def test_two_that_wait_for_the_same_room_do_not_take_it_at_one_moment():
     assert 10.5 < due[0] < due[1] - 0.05
 
 
-def test_what_a_team_tells_as_it_begins_takes_the_air():
-    """It spends what was saved for that, for which limits leave no room: eight robots filled 1.1 to 1.4 limits."""
-    budget = DigestBudget(0.0, saved=1.0)
-    budget.set_rate(1_000.0, 4, 3)
-    for begins, told in ((True, 3 * (85 + OVERHEAD)), (False, 0.0)):
-        budget.follow(0.1, splits=False, quiet=False, begins=begins, window=WINDOW)
-        if begins:
-            budget.heard(0.1, 85, 3)
-        assert budget.told_lately == told
-
-
 @given(st.lists(st.floats(0.0, 0.6), min_size=1, max_size=60), st.integers(20, 90))
 def test_where_each_has_its_part_no_window_holds_more_than_its_allowance(pauses, size):
     """Of news of parts and of ordinary ones together: parts leave the limit no more than that."""
