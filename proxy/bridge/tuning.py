@@ -10,10 +10,10 @@ class BridgeTuning:
     # The mesh session
     socket_buffer: int = 65536
     """Socket buffers on the mesh [B]. Large ones hide seconds of queue from the daemon."""
-    batch: int = 16_384
-    """Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than a robot may be silent. With half of
-    this samples of 40 kB cross at 55 to 58 % of a router's rate, and cross at 65 to 70; beside them urgent small ones
-    take as long, as the kernel's buffers hold more than a piece."""
+    batch: int = 21_000
+    """Largest piece on the mesh [B]. Zenoh's 64 kB takes a slow radio longer than a robot may be silent. Two hold a
+    sample of 40 kB: in three pieces of 16 kB these crossed at 62 % of a router's rate, in two they do at 72. Urgent
+    small ones beside them take as long, as the kernel's buffers hold more than a piece."""
     pieces_waiting: int = 8
     """Pieces that wait in each of Zenoh's queues for samples, on the mesh and for an app. Of bursts of 5,000 samples of
     1 kB that nobody has to wait for an app's link lost 2 % with Zenoh's two pieces of 64 kB, nothing with eight."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from proxy.bridge.tuning import TUNING
 from studies.benchmarks.resources import private_memory, processor_time
 from studies.demo.ports import free_ports
 from studies.demo.processes import Process, Troupe
@@ -18,8 +19,8 @@ with no spec for the keys, one with a spec."""
 
 QUICK = tuple(name for name in ARRANGEMENTS if name != "enforce")
 
-PIECE = "16384"
-"""Largest piece that a daemon sends on the mesh [B]: one that takes a slow radio longer would end the link."""
+PIECE = str(TUNING.batch)
+"""Largest piece that a daemon sends on the mesh [B]."""
 
 PATIENCE = 30.0
 """How long a process may take to get ready [s]."""

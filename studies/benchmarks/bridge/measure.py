@@ -74,7 +74,7 @@ def _latencies(found: dict[tuple[str, int], list[float]], sizes: Sequence[int], 
     columns = ("sample, through", "p50", "p99", "p50 added to direct", "p50 added to the router")
     note = (
         "Publisher, subscriber and what is between them are processes of one machine that share its cores. `pieces`:"
-        " the router's link to the subscriber carries pieces of at most 16 kB, as a daemon's do."
+        " the router's link to the subscriber carries pieces as small as a daemon's."
     )
     return Table("One-way latency [ms]", columns, tuple(rows), note)
 
