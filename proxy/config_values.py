@@ -80,7 +80,7 @@ def remote_endpoint(text: str) -> str:
 
 def interface(text: str) -> str:
     """Return `text` if it can name a network interface: "auto", a name, an address; else ValueError."""
-    if not text or any(c.isspace() or c == "/" for c in text):
+    if not text or any(c in " /" or not c.isprintable() for c in text):
         raise ValueError(f'must be "auto" or an interface like "wlan0", not {quoted(text)}')
     return text
 

@@ -19,6 +19,8 @@ LASTS = 30.0
 """A challenge may be answered for so long [s]: twice what an order waits for its answers, and for a slow robot."""
 MISSING = "it takes the token of the team (fleet.token) with each order: --token-file names the file that has it"
 
+_READ = 4 * LONGEST
+"""So much is read of a file [letters]: of a device there is no end."""
 _TIME, _RANDOM, _SEAL = 8, 16, 16
 _TICKS = 1000.0
 _VERSION = 1
@@ -37,7 +39,8 @@ def token_of(text: str) -> str:
 def read_token(file: Path) -> str:
     """Return the token in a file. Raises ValueError, which names the file."""
     try:
-        return token_of(file.read_text())
+        with file.open() as opened:
+            return token_of(opened.read(_READ))
     except OSError as error:
         raise ValueError(f"{file}: cannot be read: {error.strerror}") from None
     except ValueError as error:  # also what is no text

@@ -130,7 +130,7 @@ def test_interfaces(text):
     assert interface(text) == text
 
 
-@pytest.mark.parametrize("text", ["", "wlan 0", "/dev/wlan0"])
+@pytest.mark.parametrize("text", ["", "wlan 0", "wlan\t0", "wlan\0", "/dev/wlan0"])
 def test_what_is_no_interface_is_refused(text):
     """A name that no interface can have is a mistake."""
     with pytest.raises(ValueError, match='must be "auto" or an interface like "wlan0"'):

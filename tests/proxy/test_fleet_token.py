@@ -1,5 +1,7 @@
 """Proofs that an order is the team's own."""
 
+from pathlib import Path
+
 import msgpack
 import pytest
 from hypothesis import given
@@ -92,3 +94,5 @@ def test_a_token_is_read_from_a_file(tmp_path):
     file.write_text("short")
     with pytest.raises(ValueError, match=f"{file}: a token has 16 to 4096"):
         read_token(file)
+    with pytest.raises(ValueError, match="/dev/zero: a token has 16 to 4096"):
+        read_token(Path("/dev/zero"))
