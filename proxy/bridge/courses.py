@@ -38,6 +38,10 @@ class Courses:
 
         Callbacks that still fill the courses of another one cannot spoil them.
         """
+        self._left_out: set[str] = set()
+        """Keys of which samples crossed without their numbers: who heard numbers before, and hears them again, takes
+        those between for lost, and fetches them.
+        """
 
     def of(self, key: str) -> Course:
         """Return the course of a key. Called for every sample."""
@@ -51,19 +55,23 @@ class Courses:
     def numbered(self, key: str) -> bool:
         """Whether samples of `key` keep the numbers of their publishers.
 
-        Not where some may be dropped on purpose: subscribers would fetch those.
+        Not where some may be dropped on purpose, or might have been before: subscribers would fetch those.
         """
         return self._numbered(key, self._live.runtime)
 
     def _numbered(self, key: str, runtime: Runtime) -> bool:
         if self._rules.outward(key) is not Verdict.ORDINARY:
             return self._sourced
-        return self._sourced and not runtime.drops(runtime.specs.match(key))
+        return self._sourced and key not in self._left_out and not runtime.drops(runtime.specs.match(key))
 
     def _work_out(self, key: str, runtime: Runtime, before: Specs, courses: dict[str, Course]) -> Course:
         if len(courses) >= BOUNDS.keys:
             courses.clear()
         course = courses[key] = self._course(key, runtime, before)
+        if not course.numbered:
+            if len(self._left_out) >= BOUNDS.keys:
+                self._left_out.clear()
+            self._left_out.add(key)
         return course
 
     def _course(self, key: str, runtime: Runtime, before: Specs) -> Course:
@@ -76,7 +84,7 @@ class Courses:
         behind = None if behind is not None and behind.bypass else behind
         if covering is not None and covering.bypass:
             covering, verdict = None, Verdict.BYPASS
-        numbered = self._sourced and not runtime.drops(covering)
+        numbered = self._numbered(key, runtime)
         if covering is None:
             reason = BYPASS if verdict is Verdict.BYPASS else NO_SPEC
             return Course(dropped, reason, None, behind, numbered, each=behind is not None)

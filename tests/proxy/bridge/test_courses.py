@@ -53,9 +53,21 @@ def test_a_course_stays_until_another_runtime_is_in_force(courses, live):
     course = courses.of("rest")
     assert courses.of("rest") is course
     live.switch(Mode.SHADOW)
-    assert courses.of("rest") == course._replace(numbered=True, each=True)
+    assert courses.of("rest") == course._replace(each=True)
     live.swap(Specs.empty())
     assert courses.of("rest").passes == "passed:no-spec"
+
+
+def test_numbers_that_were_left_out_once_stay_out(courses, live):
+    """And what speaks of them; keys without a sample meanwhile keep theirs."""
+    courses.of("rest")
+    live.switch(Mode.PASS)
+    numbered = {key: courses.numbered(key) for key in ("rest", "rest/other")}
+    live.swap(Specs.empty())
+    assert numbered == {"rest": False, "rest/other": True}
+    assert not courses.of("rest").numbered
+    assert courses.of("rest/@adv/pub/x").dropped == "dropped:heartbeat"
+    assert courses.of("rest/other/@adv/pub/x").dropped is None
 
 
 def test_what_covered_a_key_is_known_until_the_next_change(courses, live):

@@ -227,6 +227,37 @@ def test_what_is_dropped_on_purpose_is_not_fetched(pair, stamps, recovery):
     publisher.undeclare()
 
 
+@pytest.mark.parametrize("stamps", [False, True], ids=["numbers", "numbers and stamps"])
+@pytest.mark.parametrize("recovery", [HEARTBEAT, PERIODIC], ids=["heartbeat", "periodic queries"])
+def test_what_was_sent_and_dropped_is_not_fetched_when_nothing_is_dropped_any_more(pair, stamps, recovery):
+    """A subscriber that knew numbers from before hears what comes then, and nothing of the time between."""
+    app = pair[1].node(stamps=stamps)
+    publisher = publisher_of(app, "covered/a")
+    pair[1].switch(Mode.PASS)
+    recovered = Recovered(pair[0], "covered/a", recovery)
+    wait_interest(pair[0], pair[1], keys=("covered/a",))
+    wait_matching(app, "covered/a")
+    wait_cache(pair[0])
+    publisher.put("before")
+    wait_until(lambda: recovered.heard, what="a sample with a number")
+    pair[1].switch(Mode.ENFORCE)
+    for text in ("sent", "lost"):
+        publisher.put(text)
+    wait_until(lambda: len(pair[1].asked) == 2, what="the samples to be asked for")
+    sent, dropped = pair[1].asked
+    pair[1].bridge.forward(sent.sample)
+    pair[1].bridge.payloads.drop(dropped.sample)
+    wait_until(lambda: len(recovered.heard) == 2, what="what was sent")
+    pair[1].switch(Mode.PASS)
+    publisher.put("after")
+    wait_until(lambda: "after" in recovered.heard, what="the next one")
+    wait_periods(pair, recovery, "dropped:heartbeat")
+    assert recovered.heard == ["befor", "sent", "after"]
+    assert not recovered.missed
+    recovered.close()
+    publisher.undeclare()
+
+
 def test_replies_for_covered_keys_go_by_their_stamps_alone(pair):
     """Without its number a reply is known by its stamp; one that has none would be heard twice, and stays."""
     stamped = publisher_of(pair[1].node(stamps=True), "covered/stamped")
