@@ -99,12 +99,21 @@ def _rewritten(wanted: str, value: Any, place: Place) -> str:
     if wanted == "an array" and isinstance(value, dict) and place.repeats:
         return f"an array of tables: write [[{name}]] instead of [{name}]"
     if wanted == "an array" and isinstance(value, str):
-        return f"an array: write [{quoted(value)}] instead of {quoted(value)}"
+        return _as_array(value)
     if wanted == "a table" and isinstance(value, list) and value and isinstance(value[0], dict):
         return f"one table: write [{name}] instead of [[{name}]]"
     if wanted == "a table" and value in place.kinds:
         return f"a table: write {{ kind = {quoted(value)} }} instead of {quoted(value)}"
     return ""
+
+
+def _as_array(text: str) -> str:
+    """Return how text in place of an array is to be written. Shells take the quotes out of one that is not quoted."""
+    bare = text.startswith("[") and text.endswith("]") and not text.startswith("[[")
+    items = text[1:-1].split(",") if bare else [text]
+    array = ", ".join(quoted(item.strip()) for item in items)
+    quoting = ", on a command line between single quotes" if bare else ""
+    return f"an array: write [{array}] instead of {quoted(text)}{quoting}"
 
 
 def _unknown_key(_value: Any, _context: Mapping[str, Any], place: Place) -> str:

@@ -84,6 +84,11 @@ def told(data: dict[str, Any]) -> list[str]:
         ({"shape": "round"}, 'shape: must be a table: write { kind = "round" } instead of "round"'),
         ({"shape": "oval"}, 'shape: must be a table, not "oval"'),
         ({"few": "a"}, 'few: must be an array: write ["a"] instead of "a"'),
+        (
+            {"few": "[a,b]"},
+            'few: must be an array: write ["a", "b"] instead of "[a,b]", on a command line between single quotes',
+        ),
+        ({"few": "[::1]:80"}, 'few: must be an array: write ["[::1]:80"] instead of "[::1]:80"'),
         ({"shape": {"kind": "round", "side": 1.0}}, 'shape.side: unknown key (known keys: "kind", "radius")'),
         ({"shapes": {"a": {"kind": "square", "side": True}}}, "shapes.a.side: must be a number, not true"),
         ({"inner": {"kind": "round", "radus": 1}}, 'inner.radus: unknown key (did you mean "radius"?)'),
