@@ -6,6 +6,7 @@ from itertools import islice
 
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import SendLog
+from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.view.traffic import WORDS
 from proxy.core.view.view import SharedView
@@ -43,7 +44,7 @@ class OwnSends(SendLog):
             self.add(now, send[1])
             took, weight = now - send[0], TUNING.departure_weight
             self.leave_after = min(
-                max(took, (1.0 - weight) * self.leave_after + weight * took), TUNING.longest_departure
+                max(took, (1.0 - weight) * self.leave_after + weight * took), MARKET.longest_departure
             )
 
     def refused(self, sample: int) -> None:

@@ -108,9 +108,7 @@ class CoordinationTuning:
     least_limit: float = 1e-6
     """A constraint cannot be zero; this is as good."""
     departure_weight: float = 0.1
-    """How long large samples take to leave: the last has this weight unless it took longer..."""
-    longest_departure: float = 0.02
-    """... and they take at most so long [s]."""
+    """How long large samples take to leave: the last has this weight unless it took longer."""
     stretched_windows: float = 16.0
     """Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
     beside_oversized: float = 0.05

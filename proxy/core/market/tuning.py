@@ -31,6 +31,8 @@ class MarketTuning:
     """... but this part of a limit is offered whatever varies."""
     varying_size: float = 0.2
     """Of messages larger than this part of a limit the tree says which go: else four robots sent 63 % of small ones."""
+    longest_departure: float = 0.02
+    """Large samples take to leave at most so long after they were decided [s]."""
     hopeless: float = 0.3
     """A stream is hopeless when its first sample earns no more than this part of the price."""
     reserve_deviations: float = 2.0

@@ -134,6 +134,17 @@ def test_an_alarm_of_a_stream_that_is_new_is_not_lost_beside_what_is_booked(talk
     assert [Forward(first), Forward(second)] == only([*said, *more])
 
 
+@pytest.mark.parametrize(("late", "counts"), [(0.0, False), (0.002, False), (0.03, True)])
+def test_what_is_booked_does_not_count_once_more_as_it_left_a_little_late(talk, late, counts):
+    """Else plans have less room than there is, and who shares a limit with robots that send poses uses less of it."""
+    run(talk, 2.0, 4.0)
+    sends = talk.core.budget.own.since(3.5)
+    small = [send for send in sends if send[1] == (116.0,)]
+    assert len(small) > 5
+    left = disputes(talk).unbooked(3.95, [(t + late, use) for t, use in sends])
+    assert any(use == (116.0,) for _, use in left) is counts
+
+
 def test_an_alarm_waits_for_room_for_as_long_as_it_is_worth_half_of_what_it_was(talk):
     """Where others sent too much at once a sample of which each counts is not dropped; odometry gives way to newer."""
     run(talk, 2.0, 3.0)
