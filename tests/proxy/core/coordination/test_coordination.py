@@ -88,6 +88,24 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     assert 0.0 < team.coordination.part(team.now, 0) < 0.5 * equal
 
 
+def test_a_team_whose_limits_change_has_equal_parts_until_it_agrees_anew(make_team):
+    """Not what a first table gives it that says nothing of what it asks for, for as long as the longest window."""
+    team = make_team(("p1",))
+    team.look(waiting=99.0)
+    team.say("p1", splits=True, split=SplitReport(1, (Segment(4_000, 100),), 1, 0))
+    team.coordination.announced(team.now, ours := team.coordination.announcement(team.now))
+    team.say("p1", splits=True, split=SplitReport(1, None, ours.table, 0))
+    for _ in range(round(1.5 * WINDOW / TUNING.interval)):
+        team.look(waiting=99.0)
+    assert team.coordination.formation.established
+    team.limits = (*team.limits, replace(team.limits[0], name="long", window=10.0))
+    team.coordination.set_limits(team.now, team.limits)
+    team.coordination.advance(team.now, team.limits, 99.0, lambda _: 0.0, lambda _: 0.0, passes_at=lambda now: now)
+    assert team.coordination.announcement(team.now).bid
+    equal = (1.0 - team.view.settings.floor) / 2.0
+    assert [team.coordination.part(team.now, k) for k in range(2)] == pytest.approx([equal, equal])
+
+
 def test_who_cannot_tell_another_bid_yet_asks_for_nothing_else(make_team):
     """Its table would be pending until it can, and the others would bid before they hear of it."""
     team = make_team(("p1",))
