@@ -11,7 +11,7 @@ from operator import itemgetter
 from proxy.core.protocol.bid import QUARTERS, UNIT, Bid, Segment, density_of
 from proxy.core.split.tuning import TUNING
 
-RULES = 4
+RULES = 5
 """Counts how parts are made of bids: robots that do it another way never agree with us."""
 
 Bids = Mapping[str, Bid | None]
@@ -135,6 +135,11 @@ class _OpenSlot:
     def grow(self, amount: int) -> None:
         self.size += amount
 
+    def merge(self, other: "_OpenSlot") -> None:
+        self.size, self.whole = max(self.size, other.size), self.whole or other.whole
+        self.pieces += other.pieces
+        self.left = TUNING.slot_pieces - self.pieces.total()
+
 
 class _Filling:
     """What is left, and who has what so far."""
@@ -187,6 +192,8 @@ class _Filling:
         """Give a robot a piece of a slot for a message of this size, if there is one."""
         size = _needed(amount)
         slot = self._own(tag, size) or self._new(size) or self._shared(size)
+        if slot is None and self._merge_for(size):
+            slot = self._new(size)
         if slot is not None:
             slot.take(tag, amount)
 
@@ -210,6 +217,23 @@ class _Filling:
         self._left -= more
         slot.grow(more)
         return slot
+
+    def _merge_for(self, size: int) -> bool:
+        """Put slots of one robot together that it uses a part of; return whether there is room for a new one then.
+
+        Four cameras of one robot had a slot each for a quarter of it, and a robot with larger frames sent none.
+        """
+        merged = list[_OpenSlot]()
+        for slot in self._slots:
+            alone = [each for each in merged if each.pieces.keys() == slot.pieces.keys() and len(slot.pieces) == 1]
+            into = next((each for each in alone if each.left + slot.left >= TUNING.slot_pieces), None)
+            if into is None or self._left >= size:
+                merged.append(slot)
+                continue
+            self._left += min(into.size, slot.size)
+            into.merge(slot)
+        self._slots = merged
+        return self._left >= size
 
     def allocation(self, urgency: Mapping[str, int], seed: int) -> Allocation:
         """Return what each has; what is left goes to all who bid, alike."""
