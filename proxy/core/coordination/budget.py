@@ -127,18 +127,15 @@ class Budget:
         part = self._coordination.meanwhile.confined
         return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 
-    def lacking(self, now: float, use: tuple[float, ...], total: tuple[float, ...] = ()) -> tuple[str, ...]:
-        """Name the constraints that leave no room for a message with this use now, or for all that is to fit with it.
-
-        What is larger than a limit has a longer window for itself; beside small ones only a message that is it alone.
-        """
+    def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
+        """Name the constraints that leave no room for a message with this use now."""
         if now < self._mute_until and changes_plans(use, self.limits):
             return tuple(limit.name for limit in self.limits if limit.shared)
         return tuple(
             [
                 limit.name
-                for k, (limit, message, amount) in enumerate(zip(self.limits, use, total or use, strict=True))
-                if not self._fits(now, k, message, amount)
+                for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
+                if not self._fits(now, k, amount)
             ]
         )
 
@@ -173,7 +170,7 @@ class Budget:
             longer += self._handover.longest(len(self._coordination.team.members), self.limits)
         for k, c in enumerate(usable := self.usable(now)):
             counted = self._counted(now, k, c.window + longer, use[k])
-            if counted + use[k] > c.limit and not _stretches(self, now, k, use[k], use[k]):
+            if counted + use[k] > c.limit and not _stretches(self, now, k, use[k]):
                 break
         else:
             return -math.inf
@@ -210,19 +207,19 @@ class Budget:
         known = now, self._view.traffic.revision, self.limits, self.alone
         if known != self._others_known:
             self._others_known = known
-            self._others_sent = self.sent_by_others(now, now - self._memory)
+            self._others_sent = self._sent_by_others(now, now - self._memory)
         return self._others_sent
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
         fit = self.alone or _all_fit(now, self._view, self.limits)
-        others, own = self.sent_by_others(now, since, words=fit), tuple(self.own.since(since))
+        others, own = self._sent_by_others(now, since, words=fit), tuple(self.own.since(since))
         if not fit:
             own, others = (_beside_none(sends, self.limits) for sends in (own, others))
         return Limits(self.usable(now), own, others, alone=self.alone, agreed=self.agreed)
 
-    def _fits(self, now: float, k: int, message: float, amount: float) -> bool:
+    def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than all that may be used has a stretched window for itself, or our turn."""
         limit, whole = self.limits[k], self.whole(now, k)
         part = self._coordination.meanwhile.confined
@@ -234,14 +231,14 @@ class Budget:
         if self._coordination.equal.by_clock and turn.began > -math.inf:
             used = self.own.used(turn.began, k)
             return turn.began <= now and (used <= 0.0 or used + amount <= turn.slot * limit.limit)
-        if turn.began > -math.inf:
-            return _unused_since(self, turn.began, now, k)
-        if amount <= whole:
-            fits = self._counted(now, k, limit.window, amount) + amount <= whole
-        else:
-            stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
-            fits = _unused_since(self, now - stretched, now, k)
-        return fits or _stretches(self, now, k, message, amount)
+        if amount <= whole and turn.began == -math.inf:
+            return self._counted(now, k, limit.window, amount) + amount <= whole or _stretches(self, now, k, amount)
+        if turn.began == -math.inf and _stretches(self, now, k, amount):
+            return True
+        stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
+        since = now - stretched if turn.began == -math.inf else turn.began
+        others = self._sent_by_others(now, since, words=False)
+        return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
     def _counted(self, now: float, k: int, window: float, amount: float) -> float:
         """Return what counts for a message of this amount of the window that ends now; a little is left to small ones.
@@ -257,28 +254,22 @@ class Budget:
             return ours + min(others, self.whole(now, k) * (1.0 - certain))
         return ours + others
 
-    def sent_by_others(self, now: float, since: float, *, words: bool = True) -> tuple[Send, ...]:
+    def _sent_by_others(self, now: float, since: float, *, words: bool = True) -> tuple[Send, ...]:
         """Return what others sent since then; with the `words` that exceeded the allowance, or without."""
         if self.alone:
             return ()
         return self._others.sends(now, since, self.usable(now), self.own.leave_after, words=words)
 
 
-def _unused_since(budget: Budget, since: float, now: float, k: int) -> bool:
-    """Whether nobody has used anything of a limit since then, which is not to come yet; words do not count."""
-    others = budget.sent_by_others(now, since, words=False)
-    return since <= now and budget.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
-
-
-def _stretches(budget: Budget, now: float, k: int, message: float, amount: float) -> bool:
+def _stretches(budget: Budget, now: float, k: int, amount: float) -> bool:
     """Whether a message larger than a limit has room beside small ones, or a small one beside such a message.
 
     The window is stretched until all in it keeps the limit on average; no two large ones are in it. Three robots that
     sent each other frames of 35 kB on 1 Mbit/s sent none as long as anybody sent poses, which took 6 % of that.
     """
     limit, whole = budget.limits[k], budget.whole(now, k)
-    oversized, small = message > limit.limit, TUNING.beside_oversized * limit.limit
-    if budget.alone or not (oversized or message <= small):
+    oversized, small = amount > limit.limit, TUNING.beside_oversized * limit.limit
+    if budget.alone or not (oversized or amount <= small):
         return False
     memory = now - TUNING.stretched_windows * limit.window
     sends = [(t, use[k]) for t, use in (*budget.own.since(memory), *budget.others(now)) if t >= memory]

@@ -115,7 +115,7 @@ class Appraisal:
 
     def lacking_beside_booked(self, now: float, use: Use) -> tuple[str, ...]:
         """Name the limits that have no room for a contested message beside what is booked and not used yet."""
-        return self.budget.lacking(now, use, self.disputes.besides(now, use))
+        return self.budget.lacking(now, self.disputes.besides(now, use))
 
     def weigh_copy(self, now: float, use: Use) -> tuple[str, ...]:
         """Weigh the streams that compete; name the limits without room for a copy beside what is booked for them.
@@ -138,9 +138,7 @@ class Appraisal:
         taken, until = self.claims.rivals(
             now, stream, budget.limits, partial(grew, budget), budget.free(now), agreed=budget.agreed
         )
-        if not any(taken):
-            return (), until
-        return self.budget.lacking(now, use, self.disputes.besides(now, both(use, taken))), until
+        return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
 
     def weigh_ahead(self, now: float) -> None:
         """Weigh the streams that compete if it is time to, so that the next sample need not wait for that."""

@@ -154,15 +154,6 @@ def test_a_message_larger_than_the_limit_goes_beside_small_ones(make_budget):
         assert bool(budget.lacking(now, large)) == (now < 6.5), "2.5 windows, as 60 % of each is left"
 
 
-def test_what_messages_use_together_is_no_message_larger_than_the_limit(make_budget):
-    """Else two frames went beside small ones, each of which the other one took to be sent."""
-    budget, _ = make_budget()
-    budget.use(3.9, (20.0,))
-    assert not budget.lacking(4.0, (600.0,), (900.0,))
-    assert budget.lacking(4.0, (600.0,), (1200.0,))
-    assert not budget.lacking(4.0, (1200.0,), (1250.0,))
-
-
 def test_where_small_ones_fill_the_limit_none_goes_beside_them_that_is_larger(make_budget):
     """No stretched window has room for it, nor do small ones exceed the limit because of one."""
     budget, _ = make_budget()
