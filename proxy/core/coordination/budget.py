@@ -169,8 +169,7 @@ class Budget:
         if wanted is Room.IN_TURN and not self.alone:
             longer += self._handover.longest(len(self._coordination.team.members), self.limits)
         for k, c in enumerate(usable := self.usable(now)):
-            counted = self._counted(now, k, c.window + longer, use[k])
-            if counted + use[k] > c.limit and not _stretches(self, now, k, use[k]):
+            if self._counted(now, k, c.window + longer, use[k]) + use[k] > c.limit:
                 break
         else:
             return -math.inf
@@ -213,11 +212,9 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         since = now - longest_window(self.limits)
-        fit = self.alone or _all_fit(now, self._view, self.limits)
-        others, own = self._sent_by_others(now, since, words=fit), tuple(self.own.since(since))
-        if not fit:
-            own, others = (_beside_none(sends, self.limits) for sends in (own, others))
-        return Limits(self.usable(now), own, others, alone=self.alone, agreed=self.agreed)
+        words = self._view.traffic.words_at >= since and _all_fit(now, self._view, self.limits)
+        others = self._sent_by_others(now, since, words=words)
+        return Limits(self.usable(now), tuple(self.own.since(since)), others, alone=self.alone, agreed=self.agreed)
 
     def _fits(self, now: float, k: int, amount: float) -> bool:
         """Eq. 5; a message larger than all that may be used has a stretched window for itself, or our turn."""
@@ -232,9 +229,7 @@ class Budget:
             used = self.own.used(turn.began, k)
             return turn.began <= now and (used <= 0.0 or used + amount <= turn.slot * limit.limit)
         if amount <= whole and turn.began == -math.inf:
-            return self._counted(now, k, limit.window, amount) + amount <= whole or _stretches(self, now, k, amount)
-        if turn.began == -math.inf and _stretches(self, now, k, amount):
-            return True
+            return self._counted(now, k, limit.window, amount) + amount <= whole
         stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
         since = now - stretched if turn.began == -math.inf else turn.began
         others = self._sent_by_others(now, since, words=False)
@@ -259,36 +254,6 @@ class Budget:
         if self.alone:
             return ()
         return self._others.sends(now, since, self.usable(now), self.own.leave_after, words=words)
-
-
-def _stretches(budget: Budget, now: float, k: int, amount: float) -> bool:
-    """Whether a message larger than a limit has room beside small ones, or a small one beside such a message.
-
-    The window is stretched until all in it keeps the limit on average; no two large ones are in it. Three robots that
-    sent each other frames of 35 kB on 1 Mbit/s sent none as long as anybody sent poses, which took 6 % of that.
-    """
-    limit, whole = budget.limits[k], budget.whole(now, k)
-    oversized, small = amount > limit.limit, TUNING.beside_oversized * limit.limit
-    if budget.alone or not (oversized or amount <= small):
-        return False
-    memory = now - TUNING.stretched_windows * limit.window
-    sends = [(t, use[k]) for t, use in (*budget.own.since(memory), *budget.others(now)) if t >= memory]
-    if not oversized and all(use <= limit.limit for t, use in sends if t >= now - limit.window):
-        return False
-    total = amount
-    for t, use in sorted(sends, reverse=True):
-        if t < now - limit.window * max(total / whole, 1.0):
-            break
-        if oversized and use > small:
-            return False
-        total += use
-    return total <= TUNING.stretched_windows * whole
-
-
-def _beside_none(sends: tuple[Send, ...], limits: tuple[Limit, ...]) -> tuple[Send, ...]:
-    """Return those of the sends beside which no message goes that is larger than a limit."""
-    part = TUNING.beside_oversized
-    return tuple([s for s in sends if any(u > part * c.limit for u, c in zip(s[1], limits, strict=True))])
 
 
 def _all_fit(now: float, view: SharedView, limits: tuple[Limit, ...]) -> bool:

@@ -124,58 +124,16 @@ def test_a_problem_has_no_words_where_a_message_is_larger_than_a_limit_in_all_it
 
 
 def test_a_message_larger_than_the_limit_has_the_window_stretched_for_it(make_budget):
-    """It goes when nothing large was sent for as long as its bytes take, and nothing large for as long after it."""
+    """It goes when nothing was sent for as long as its bytes take, and nothing else goes for as long after it."""
     budget, view = make_budget()
-    heard(view, 1.0, 60)
+    heard(view, 1.0, 10)
     large = (2500.0,)
     assert budget.lacking(3.4, large)
     assert not budget.lacking(3.6, large)
     budget.use(3.6, large)
-    assert budget.lacking(4.5, (60.0,))
-    assert not budget.lacking(4.7, (60.0,))
+    assert budget.lacking(4.5, (1.0,))
     assert budget.lacking(6.0, large)
     assert not budget.lacking(6.2, large)
-
-
-def test_a_message_larger_than_the_limit_goes_beside_small_ones(make_budget):
-    """Its window is stretched by what they use; nor do they wait for it to leave, as long as all keeps the limit."""
-    budget, view = make_budget()
-    for number in range(40):
-        heard(view, 0.1 * number, 20)
-    large, small = (1500.0,), (40.0,)
-    assert not budget.lacking(4.0, large)
-    budget.use(4.0, large)
-    assert budget.lacking(4.0, (60.0,))
-    for number in range(30):
-        now = 4.05 + 0.1 * number
-        assert not budget.lacking(now, small), now
-        assert budget.opens(now, small) == -math.inf
-        budget.use(now, small)
-        assert bool(budget.lacking(now, large)) == (now < 6.5), "2.5 windows, as 60 % of each is left"
-
-
-def test_where_small_ones_fill_the_limit_none_goes_beside_them_that_is_larger(make_budget):
-    """No stretched window has room for it, nor do small ones exceed the limit because of one."""
-    budget, _ = make_budget()
-    for number in range(400):
-        budget.use(0.05 * number, (50.0,))
-    assert budget.lacking(20.0, (1500.0,))
-    budget.use(20.0, (1500.0,))
-    assert budget.lacking(20.0, (40.0,))
-
-
-def test_a_problem_with_messages_larger_than_a_limit_has_only_what_none_goes_beside(make_budget):
-    """Small ones that were sent take no room from them: what is booked does."""
-    budget, view = make_budget(peers=2)
-    stream = view.streams.touch(1.0, "r1", "robot/r1/camera")
-    stream.matching = True
-    view.subscribers.set("p0", ("robot/**",))
-    stream.note_generated(1, Generated(1.0, 400, 1.0))
-    budget.use(1.0, (40.0,))
-    budget.use(1.0, (60.0,))
-    assert [use for _, use in budget.problem_limits(1.2).sent] == [(40.0,), (60.0,)]
-    stream.note_generated(9, Generated(1.1, 40000, 1.0))
-    assert [use for _, use in budget.problem_limits(1.2).sent] == [(60.0,)]
 
 
 def large_team(make_budget, robots, size):

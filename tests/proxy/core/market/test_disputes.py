@@ -148,8 +148,8 @@ def test_what_is_booked_does_not_count_once_more_as_it_left_a_little_late(talk, 
 def test_an_alarm_waits_for_room_for_as_long_as_it_is_worth_half_of_what_it_was(talk):
     """Where others sent too much at once a sample of which each counts is not dropped; odometry gives way to newer."""
     run(talk, 2.0, 3.0)
-    for k in range(8):
-        talk.core.budget.use(3.0 + 0.3 * (k // 2), (LIMIT / 2,))
+    for k in range(4):
+        talk.core.budget.use(3.0 + 0.3 * k, (LIMIT,))
     alarm, said = talk.publish(3.0, "robot/r1/alarm", size=76)
     odometry, more = talk.publish(3.0, "robot/r1/odometry", size=116)
     assert [Drop(odometry, "dropped:constraint")] == only([*said, *more])
