@@ -39,8 +39,8 @@ class Courses:
         Callbacks that still fill the courses of another one cannot spoil them.
         """
         self._left_out: set[str] = set()
-        """Keys of which samples crossed without their numbers: who heard numbers before, and hears them again, takes
-        those between for lost, and fetches them.
+        """Keys, up to a bound, of which samples crossed without their numbers: who heard numbers before, and hears them
+        again, takes those between for lost, and fetches them.
         """
 
     def of(self, key: str) -> Course:
@@ -68,9 +68,7 @@ class Courses:
         if len(courses) >= BOUNDS.keys:
             courses.clear()
         course = courses[key] = self._course(key, runtime, before)
-        if not course.numbered:
-            if len(self._left_out) >= BOUNDS.keys:
-                self._left_out.clear()
+        if self._sourced and not course.numbered and len(self._left_out) < BOUNDS.keys:
             self._left_out.add(key)
         return course
 

@@ -34,6 +34,9 @@ from proxy.core.view.view import SharedView
 if TYPE_CHECKING:
     from proxy.core.market.prices import Market
 
+_Sends = tuple[list[Send], list[Send]]
+"""Of others, and of us."""
+
 
 class Disputes:
     """How the streams of a view stand."""
@@ -59,7 +62,7 @@ class Disputes:
         self._reserve: Amounts = ()
         self._known: tuple[float, int, int] | None = None
         self._known_use: Amounts | None = None
-        self._known_sends: list[Send] = []
+        self._known_sends: _Sends = [], []
         """The sends of what is booked, as they are after so many sends noted at that time: one event asks often."""
         self._sends_of: dict[int, tuple[Sent, list[Send]]] = {}
         """Those of each of them, by its place, as they are since it sent this."""
@@ -165,14 +168,14 @@ class Disputes:
         free = [max(0.0, amount - used) for amount, used in zip(self._reserve, self._used(now), strict=True)]
         return tuple([u + f if u > 0.0 else u for u, f in zip(use, free, strict=True)])
 
-    def unbooked(self, now: float, sends: Sequence[Send]) -> tuple[Send, ...]:
-        """Return those of all sends within the longest window that were not booked, oldest first.
+    def unbooked(self, now: float, sends: Sequence[Send], *, own: bool) -> tuple[Send, ...]:
+        """Return those of our `own` sends, or of others', within the longest window that were not booked, oldest first.
 
         They may have left a little after they were decided: small samples of others that did were booked and counted
         once more, and four robots with poses for all used 65 % of a limit instead of 75.
         """
         booked, left, since = defaultdict[Amounts, deque[float]](deque), [], now - longest_window(self._limits)
-        for t, use in sorted(self._sends(now)):
+        for t, use in sorted(self._sends(now)[own]):
             booked[use].append(t)
         for t, use in sorted(send for send in sends if send[0] >= since):
             times = booked[use]
@@ -257,26 +260,27 @@ class Disputes:
 
     def _used(self, now: float) -> Amounts:
         """Return what was sent of what is booked in the windows that end now."""
-        sends = self._sends(now)
+        others, own = self._sends(now)
         if self._known_use is None:
             self._known_use = tuple(
-                [sum(use[k] for t, use in sends if t >= now - c.window) for k, c in enumerate(self._limits)]
+                [sum(use[k] for t, use in (*others, *own) if t >= now - c.window) for k, c in enumerate(self._limits)]
             )
         return self._known_use
 
-    def _sends(self, now: float) -> list[Send]:
-        """Return the sends of streams that are booked, within the longest window."""
+    def _sends(self, now: float) -> _Sends:
+        """Return the sends of others' streams that are booked, and of ours, within the longest window."""
         known = now, self._view.traffic.revision, self._view.traffic.messages
         if self._known == known:
             return self._known_sends
-        found, since, known_of = list[Send](), now - longest_window(self._limits), self._sends_of
+        found: _Sends = [], []
+        since, known_of = now - longest_window(self._limits), self._sends_of
         for place, (stream, copies) in enumerate(self._load):
             if stream.sent is None or stream.sent.t_sent < since:
                 continue
             of = known_of.get(place)
             if of is None or of[0] is not stream.sent:
                 of = known_of[place] = stream.sent, self._recent_sends(stream, copies, since)
-            found += [send for send in of[1] if send[0] >= since]
+            found[self._own(stream)].extend([send for send in of[1] if send[0] >= since])
         self._known, self._known_sends, self._known_use = known, found, None
         return found
 

@@ -123,9 +123,9 @@ def _allocate(table: tuple[tuple[str, Bid | None], ...], members: int, floor: in
 class _OpenSlot:
     """A slot that is being filled: pieces by robot."""
 
-    def __init__(self, size: int) -> None:
-        self.size, self.left, self.whole = size, TUNING.slot_pieces, False
-        self.pieces = Counter[str]()
+    def __init__(self, size: int, pieces: Mapping[str, int] | None = None, *, whole: bool = False) -> None:
+        self.size, self.pieces, self.whole = size, Counter(pieces), whole
+        self.left = TUNING.slot_pieces - self.pieces.total()
 
     def take(self, tag: str, amount: int) -> None:
         self.whole |= amount == UNIT
@@ -135,10 +135,13 @@ class _OpenSlot:
     def grow(self, amount: int) -> None:
         self.size += amount
 
-    def merge(self, other: "_OpenSlot") -> None:
-        self.size, self.whole = max(self.size, other.size), self.whole or other.whole
-        self.pieces += other.pieces
-        self.left = TUNING.slot_pieces - self.pieces.total()
+    def holds(self, other: "_OpenSlot") -> bool:
+        """Whether both are one robot's alone, and one of them has place for all that it sends in either."""
+        alone = len(self.pieces) == 1 and self.pieces.keys() == other.pieces.keys()
+        return alone and self.left + other.left >= TUNING.slot_pieces
+
+    def together(self, other: "_OpenSlot") -> "_OpenSlot":
+        return _OpenSlot(max(self.size, other.size), self.pieces + other.pieces, whole=self.whole or other.whole)
 
 
 class _Filling:
@@ -219,21 +222,22 @@ class _Filling:
         return slot
 
     def _merge_for(self, size: int) -> bool:
-        """Put slots of one robot together that it uses a part of; return whether there is room for a new one then.
+        """Put slots of one robot together that it uses a part of, if there is room for a new one then; return whether.
 
         Four cameras of one robot had a slot each for a quarter of it, and a robot with larger frames sent none.
         """
-        merged = list[_OpenSlot]()
+        merged, left = list[_OpenSlot](), self._left
         for slot in self._slots:
-            alone = [each for each in merged if each.pieces.keys() == slot.pieces.keys() and len(slot.pieces) == 1]
-            into = next((each for each in alone if each.left + slot.left >= TUNING.slot_pieces), None)
-            if into is None or self._left >= size:
+            into = next((at for at, each in enumerate(merged) if each.holds(slot)), None)
+            if into is None or left >= size:
                 merged.append(slot)
                 continue
-            self._left += min(into.size, slot.size)
-            into.merge(slot)
-        self._slots = merged
-        return self._left >= size
+            left += min(merged[into].size, slot.size)
+            merged[into] = merged[into].together(slot)
+        if left < size:
+            return False
+        self._slots, self._left = merged, left
+        return True
 
     def allocation(self, urgency: Mapping[str, int], seed: int) -> Allocation:
         """Return what each has; what is left goes to all who bid, alike."""

@@ -93,7 +93,7 @@ class WindowBuilder:
             replace(c, limit=max(left, TUNING.contested_at_least * c.limit), window=window)
             for c, left, window in zip(limits.union, *disputes.left(now), strict=True)
         )
-        sent, others = (disputes.unbooked(now, sends) for sends in (limits.sent, limits.others))
+        sent, others = disputes.unbooked(now, limits.sent, own=True), disputes.unbooked(now, limits.others, own=False)
         return replace(limits, union=union, sent=sent, others=others)
 
     def _candidates(self, now: float, deciding: Waiting, limits: Limits, most: int) -> list[Candidate]:

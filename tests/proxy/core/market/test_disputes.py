@@ -141,8 +141,9 @@ def test_what_is_booked_does_not_count_once_more_as_it_left_a_little_late(talk, 
     sends = talk.core.budget.own.since(3.5)
     small = [send for send in sends if send[1] == (116.0,)]
     assert len(small) > 5
-    left = disputes(talk).unbooked(3.95, [(t + late, use) for t, use in sends])
+    left = disputes(talk).unbooked(3.95, [(t + late, use) for t, use in sends], own=True)
     assert any(use == (116.0,) for _, use in left) is counts
+    assert disputes(talk).unbooked(3.95, small, own=False) == tuple(small), "others' are not what is booked for us"
 
 
 def test_an_alarm_waits_for_room_for_as_long_as_it_is_worth_half_of_what_it_was(talk):
