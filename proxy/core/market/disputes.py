@@ -172,14 +172,15 @@ class Disputes:
         """Return those of our `own` sends, or of others', within the longest window that were not booked, oldest first.
 
         They may have left a little after they were decided: small samples of others that did were booked and counted
-        once more, and four robots with poses for all used 65 % of a limit instead of 75.
+        once more, and four robots with poses for all used 65 % of a limit instead of 75. Larger teams need that margin.
         """
+        late = TUNING.longest_departure if self._view.members.speaking <= TUNING.few_others else 0.0
         booked, left, since = defaultdict[Amounts, deque[float]](deque), [], now - longest_window(self._limits)
         for t, use in sorted(self._sends(now)[own]):
             booked[use].append(t)
         for t, use in sorted(send for send in sends if send[0] >= since):
             times = booked[use]
-            while times and times[0] < t - TUNING.longest_departure:
+            while times and times[0] < t - late:
                 times.popleft()
             if times and times[0] <= t:
                 times.popleft()

@@ -146,6 +146,18 @@ def test_what_is_booked_does_not_count_once_more_as_it_left_a_little_late(talk, 
     assert disputes(talk).unbooked(3.95, small, own=False) == tuple(small), "others' are not what is booked for us"
 
 
+def test_where_many_speak_what_left_late_counts_once_more(talk):
+    """They need the margin: each sends as the same window opens."""
+    run(talk, 2.0, 4.0)
+    for number in range(2, 4 + MARKET.few_others):
+        talk.tell(ev.PeerAppeared(4.0, f"r{number}", f"z-r{number}"))
+        talk.tell(ev.StateHeard(4.0, State(f"r{number}", f"z-r{number}", "enforce", "", (), (), number=1)))
+    small = [send for send in talk.core.budget.own.since(3.5) if send[1] == (116.0,)]
+    assert not disputes(talk).unbooked(3.95, small, own=True)
+    late = tuple((t + 0.002, use) for t, use in small)
+    assert disputes(talk).unbooked(3.95, late, own=True) == late
+
+
 def test_an_alarm_waits_for_room_for_as_long_as_it_is_worth_half_of_what_it_was(talk):
     """Where others sent too much at once a sample of which each counts is not dropped; odometry gives way to newer."""
     run(talk, 2.0, 3.0)
