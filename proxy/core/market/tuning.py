@@ -35,7 +35,7 @@ class MarketTuning:
     """Large samples take to leave at most so long after they were decided [s]."""
     few_others: int = 5
     """Where no more others speak, what left late counts once: of eight robots with cameras, and an operator, 1.2 % of
-    the windows were over the limit so, and none are where it counts twice (four robots: 0.2 % so or so)."""
+    the windows were over the limit so, and 0.02 are where it counts twice (four robots: 0.2 either way)."""
     hopeless: float = 0.3
     """A stream is hopeless when its first sample earns no more than this part of the price."""
     reserve_deviations: float = 2.0
