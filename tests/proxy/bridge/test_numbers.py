@@ -199,12 +199,8 @@ def test_a_very_long_key_goes_without_numbers(pair):
     publisher.undeclare()
 
 
-@pytest.mark.parametrize("stamps", [False, True], ids=["numbers", "numbers and stamps"])
-@pytest.mark.parametrize("recovery", [HEARTBEAT, PERIODIC], ids=["heartbeat", "periodic queries"])
-def test_what_is_dropped_on_purpose_is_not_fetched(pair, stamps, recovery):
-    """A subscriber that recovers hears what the decisions forwarded, and misses nothing; also when it knew numbers."""
-    for robot in pair:
-        robot.switch(Mode.PASS)
+def heard_before(pair, recovery, *, stamps):
+    """A publisher at one robot and a subscriber that recovers at the other, which has heard a sample with a number."""
     app = pair[1].node(stamps=stamps)
     publisher = publisher_of(app, "covered/a")
     recovered = Recovered(pair[0], "covered/a", recovery)
@@ -213,6 +209,16 @@ def test_what_is_dropped_on_purpose_is_not_fetched(pair, stamps, recovery):
     wait_cache(pair[0])
     publisher.put("before")
     wait_until(lambda: recovered.heard, what="a sample with a number")
+    return publisher, recovered
+
+
+@pytest.mark.parametrize("stamps", [False, True], ids=["numbers", "numbers and stamps"])
+@pytest.mark.parametrize("recovery", [HEARTBEAT, PERIODIC], ids=["heartbeat", "periodic queries"])
+def test_what_is_dropped_on_purpose_is_not_fetched(pair, stamps, recovery):
+    """A subscriber that recovers hears what the decisions forwarded, and misses nothing; also when it knew numbers."""
+    for robot in pair:
+        robot.switch(Mode.PASS)
+    publisher, recovered = heard_before(pair, recovery, stamps=stamps)
     pair[1].switch(Mode.ENFORCE)
     for i in range(6):
         publisher.put(str(i))
@@ -231,15 +237,8 @@ def test_what_is_dropped_on_purpose_is_not_fetched(pair, stamps, recovery):
 @pytest.mark.parametrize("recovery", [HEARTBEAT, PERIODIC], ids=["heartbeat", "periodic queries"])
 def test_what_was_sent_and_dropped_is_not_fetched_when_nothing_is_dropped_any_more(pair, stamps, recovery):
     """A subscriber that knew numbers from before hears what comes then, and nothing of the time between."""
-    app = pair[1].node(stamps=stamps)
-    publisher = publisher_of(app, "covered/a")
     pair[1].switch(Mode.PASS)
-    recovered = Recovered(pair[0], "covered/a", recovery)
-    wait_interest(pair[0], pair[1], keys=("covered/a",))
-    wait_matching(app, "covered/a")
-    wait_cache(pair[0])
-    publisher.put("before")
-    wait_until(lambda: recovered.heard, what="a sample with a number")
+    publisher, recovered = heard_before(pair, recovery, stamps=stamps)
     pair[1].switch(Mode.ENFORCE)
     for text in ("sent", "lost"):
         publisher.put(text)

@@ -88,13 +88,19 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     assert 0.0 < team.coordination.part(team.now, 0) < 0.5 * equal
 
 
-def test_a_team_whose_limits_change_has_equal_parts_until_it_agrees_anew(make_team):
-    """Not what a first table gives it that says nothing of what it asks for, for as long as the longest window."""
+def agreed(make_team):
+    """A team of two that has agreed on parts, and what we announced."""
     team = make_team(("p1",))
     team.look(waiting=99.0)
     team.say("p1", splits=True, split=SplitReport(1, (Segment(4_000, 100),), 1, 0))
     team.coordination.announced(team.now, ours := team.coordination.announcement(team.now))
     team.say("p1", splits=True, split=SplitReport(1, None, ours.table, 0))
+    return team, ours
+
+
+def test_a_team_whose_limits_change_has_equal_parts_until_it_agrees_anew(make_team):
+    """Not what a first table gives it that says nothing of what it asks for, for as long as the longest window."""
+    team, _ = agreed(make_team)
     for _ in range(round(1.5 * WINDOW / TUNING.interval)):
         team.look(waiting=99.0)
     assert team.coordination.formation.established
@@ -108,11 +114,7 @@ def test_a_team_whose_limits_change_has_equal_parts_until_it_agrees_anew(make_te
 
 def test_who_cannot_tell_another_bid_yet_asks_for_nothing_else(make_team):
     """Its table would be pending until it can, and the others would bid before they hear of it."""
-    team = make_team(("p1",))
-    team.look(waiting=99.0)
-    team.say("p1", splits=True, split=SplitReport(1, (Segment(4_000, 100),), 1, 0))
-    team.coordination.announced(team.now, ours := team.coordination.announcement(team.now))
-    team.say("p1", splits=True, split=SplitReport(1, None, ours.table, 0))
+    team, ours = agreed(make_team)
     agreement = team.coordination.split_in_force.agreement
     assert agreement.formed
     assert not agreement.pending
