@@ -162,7 +162,7 @@ def _large(each: _Constraint, types: Sequence[_Type]) -> Iterator[Finding]:
         part = measure.use(one.size, 1, own=True) / measure.limit
         if one.type.planned and part > TOO_MUCH:
             what = f"is {part:.3g} times what {quoted(each.spec.name)} lets pass in {measure.window:g} s"
-            often = f"one can be sent every {part * measure.window:.3g} s, and nothing beside it"
+            often = f"one can be sent every {part * measure.window:.3g} s, and little beside it"
             yield one.finding("forecast.size", f"{what}: {often}")
 
 

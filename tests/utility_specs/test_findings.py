@@ -110,7 +110,7 @@ def test_nobody_can_send_what_is_not_generated(find, schedule, rate):
             LIMIT + CAMERA + 'forecast.size = "50 kB"',
             (
                 '8: information_type "camera": forecast.size: is 10 times what "throughput" lets pass in 0.5 s: '
-                "one can be sent every 5 s, and nothing beside it"
+                "one can be sent every 5 s, and little beside it"
             ),
         ),
         (

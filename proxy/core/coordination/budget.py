@@ -10,10 +10,20 @@ from proxy.core.coordination.claims import news_take
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.equal_parts import NOT_NEEDED
 from proxy.core.coordination.sends import OthersSends, OwnSends
+from proxy.core.coordination.stretch import Stretch
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import Openings, Room
 from proxy.core.market.tuning import TUNING as MARKET
-from proxy.core.model.limits import Limit, Limits, Send, changes_plans, exceeds, longest_window, shortest_window, use_of
+from proxy.core.model.limits import (
+    Limit,
+    Limits,
+    Send,
+    changes_plans,
+    is_bulky,
+    longest_window,
+    shortest_window,
+    stretched,
+)
 from proxy.core.view.traffic import WORDS
 from proxy.core.view.view import SharedView
 
@@ -64,6 +74,7 @@ class Budget:
         """How long sends are remembered [s]."""
         self.own = OwnSends()
         self._others = OthersSends(view)
+        self.stretch = Stretch(self.own, self._others)
         self._mute_until = -math.inf
         """When the allowance has room for announcements [s]."""
         self._usable_for: tuple[tuple[Limit, ...], tuple[float, ...]] = (), ()
@@ -119,23 +130,25 @@ class Budget:
         """What our own sends of the window that ends now use."""
         return self.own.used(now - self.limits[k].window, k)
 
-    def free(self, now: float) -> list[float]:
-        """What may still be sent now of each constraint; less than nothing where too much was sent."""
-        free = [
-            self.whole(now, k) - self._counted(now, k, limit.window, math.inf) for k, limit in enumerate(self.limits)
-        ]
+    def free(self, now: float, use: tuple[float, ...] = ()) -> list[float]:
+        """What may still be sent now of each constraint; less than nothing where too much was sent.
+
+        By a message with this use, else by one that is neither small nor larger than a limit.
+        """
+        wholes = [self.whole(now, k) for k in range(len(self.limits))]
+        free = [self._room(now, k, amount) for k, amount in enumerate(use or wholes)]
         part = self._coordination.meanwhile.confined
         return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 
-    def lacking(self, now: float, use: tuple[float, ...]) -> tuple[str, ...]:
-        """Name the constraints that leave no room for a message with this use now."""
+    def lacking(self, now: float, use: tuple[float, ...], total: tuple[float, ...] = ()) -> tuple[str, ...]:
+        """Name the constraints that leave no room for a message with this use now, or the `total` it goes with."""
         if now < self._mute_until and changes_plans(use, self.limits):
             return tuple(limit.name for limit in self.limits if limit.shared)
         return tuple(
             [
                 limit.name
-                for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-                if not self._fits(now, k, amount)
+                for k, (limit, message, amount) in enumerate(zip(self.limits, use, total or use, strict=True))
+                if not self._fits(now, k, message, amount)
             ]
         )
 
@@ -157,36 +170,37 @@ class Budget:
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
         )
 
-    def opens(self, now: float, use: tuple[float, ...], wanted: Room = Room.OWN) -> float:
-        """When the `wanted` room opens for a message [s]; −∞ where it is there, ∞ where it never does.
+    def opens(
+        self, now: float, use: tuple[float, ...], wanted: Room = Room.OWN, total: tuple[float, ...] = ()
+    ) -> float:
+        """When the `wanted` room opens for a message, or the `total` it goes with [s]; −∞: it is there, ∞: never is.
 
         Or when our part grows that is too small for it: in `split` ten robots with equal messages reach 83 to 95 % of a
         central decider, and 82 to 93 where such a sample was dropped.
         """
-        if self._coordination.equal.by_clock and (turn := _next_turn(self, self._coordination, now, use)) > -math.inf:
-            return turn if self.lacking(now, use) else -math.inf
+        needed, coordination = total or use, self._coordination
+        if coordination.equal.by_clock and (turn := _next_turn(self, coordination, now, needed)) > -math.inf:
+            return turn if self.lacking(now, use, needed) else -math.inf
         longer = MARKET.closed
         if wanted is Room.IN_TURN and not self.alone:
-            longer += self._handover.longest(len(self._coordination.team.members), self.limits)
-        for k, c in enumerate(usable := self.usable(now)):
-            if self._counted(now, k, c.window + longer, use[k]) + use[k] > c.limit:
-                break
-        else:
+            longer += self._handover.longest(len(coordination.team.members), self.limits)
+        if all(amount <= self._room(now, k, use[k], longer) for k, amount in enumerate(needed)):
             return -math.inf
-        others = self.others(now)
+        others, usable = self.others(now), self.usable(now)
         if wanted is Room.IN_TURN and others:
             others = self._handover.in_turn(others, now - self._memory, self.limits)
-        since = now - longest_window(self.limits) - MARKET.closed
+        limits = usable if self.alone else self.stretch.limits(now, usable, use)
+        since = now - longest_window(limits) - MARKET.closed
         departures = self._openings[wanted].after(since, self.own, others, anybodys=wanted is not Room.OWN)
-        opening = departures.opens(usable, use)
-        if opening < math.inf or math.isinf(grows := self._coordination.grows_at(now)):
+        opening = departures.opens(limits, needed)
+        if opening < math.inf or math.isinf(grows := coordination.grows_at(now)):
             return opening
-        return max(grows, departures.opens(self.usable(grows), use))
+        return max(grows, departures.opens(self.usable(grows), needed))
 
     def use(self, now: float, use: tuple[float, ...], sample: int | None = None) -> None:
         """A message with this use is sent now, a `sample` or something else."""
         large = sample is not None and changes_plans(use, self.limits)
-        self.own.note(now, use, sample if large else None)
+        self.own.note(now, use, sample if large else None, bulky=is_bulky(use, self.usable(now)))
         shared = [amount / limit.limit for amount, limit in zip(use, self.limits, strict=True) if limit.shared]
         self._coordination.sent(now, shared)
         self.own.forget(now - self._memory)
@@ -211,13 +225,14 @@ class Budget:
 
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
-        since = now - longest_window(self.limits)
-        words = self._view.traffic.words_at >= since and _all_fit(now, self._view, self.limits)
-        others = self._sent_by_others(now, since, words=words)
-        return Limits(self.usable(now), tuple(self.own.since(since)), others, alone=self.alone, agreed=self.agreed)
+        usable = self.usable(now)
+        windows = self.stretch.planned(usable) if not self.alone else (1.0,) * len(usable)
+        since = now - longest_window(stretched(usable, windows))
+        others = self._sent_by_others(now, since)
+        return Limits(usable, tuple(self.own.since(since)), others, windows, alone=self.alone, agreed=self.agreed)
 
-    def _fits(self, now: float, k: int, amount: float) -> bool:
-        """Eq. 5; a message larger than all that may be used has a stretched window for itself, or our turn."""
+    def _fits(self, now: float, k: int, message: float, amount: float) -> bool:
+        """Eq. 5; what is more than all that may be used has a stretched window for itself, or our turn."""
         limit, whole = self.limits[k], self.whole(now, k)
         part = self._coordination.meanwhile.confined
         if part < 1.0 and amount > _confined(self, now, k, part):
@@ -228,26 +243,29 @@ class Budget:
         if self._coordination.equal.by_clock and turn.began > -math.inf:
             used = self.own.used(turn.began, k)
             return turn.began <= now and (used <= 0.0 or used + amount <= turn.slot * limit.limit)
+        if turn.began == -math.inf and (amount <= whole or not self.alone) and amount <= self._room(now, k, message):
+            return True
         if amount <= whole and turn.began == -math.inf:
-            return self._counted(now, k, limit.window, amount) + amount <= whole
-        stretched = limit.window * min(amount / whole, TUNING.stretched_windows)
-        since = now - stretched if turn.began == -math.inf else turn.began
+            return False
+        longer = limit.window * min(amount / whole, TUNING.stretched_windows)
+        since = now - longer if turn.began == -math.inf else turn.began
         others = self._sent_by_others(now, since, words=False)
         return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
-    def _counted(self, now: float, k: int, window: float, amount: float) -> float:
-        """Return what counts for a message of this amount of the window that ends now; a little is left to small ones.
+    def _room(self, now: float, k: int, message: float, longer: float = 0.0) -> float:
+        """Return what is left for a message in the window that ends now and began `longer` ago than it does [s].
 
-        Beside a robot that claimed ten limits two sent 11 % of their odometry without that.
+        A little is left to small ones: beside a robot that claimed ten limits two sent 11 % of their odometry without
+        that.
         """
-        ours = self.own.used(now - window, k)
+        usable = self.usable(now)
+        limit, certain = usable[k], self._coordination.certain
         if self.alone:
-            return ours
-        others = self._others.used(now - window - self.own.leave_after, k, self.usable(now))
-        certain = self._coordination.certain
-        if certain > 0.0 and self.limits[k].shared and amount <= TUNING.certain_message * certain * self.whole(now, k):
-            return ours + min(others, self.whole(now, k) * (1.0 - certain))
-        return ours + others
+            return limit.limit - self.own.used(now - limit.window - longer, k)
+        room = self.stretch.room(now, k, usable, message, longer)
+        if self.limits[k].shared and message <= TUNING.certain_message * certain * limit.limit:
+            room = max(room, certain * limit.limit - self.own.used(now - limit.window - longer, k))
+        return room
 
     def _sent_by_others(self, now: float, since: float, *, words: bool = True) -> tuple[Send, ...]:
         """Return what others sent since then; with the `words` that exceeded the allowance, or without."""
@@ -256,21 +274,15 @@ class Budget:
         return self._others.sends(now, since, self.usable(now), self.own.leave_after, words=words)
 
 
-def _all_fit(now: float, view: SharedView, limits: tuple[Limit, ...]) -> bool:
-    """Whether no message is larger than a limit: plans send such a one only where nothing else was sent."""
-    amounts = ((round(each.sizes.mean), view.subscribers.copies(each)) for each in view.contention.all(now))
-    return not any(exceeds(1.0, use_of(*amount, limits), limits) for amount in amounts)
-
-
 def using(budget: Budget, now: float) -> float:
     """Return what part our own sends of the windows that end now take of what we may use of shared constraints."""
     shared = (k for k, limit in enumerate(budget.limits) if limit.shared)
     return max((budget.used(now, k) / budget.whole(now, k) for k in shared), default=0.0)
 
 
-def grew(budget: Budget, now: float, ahead: float = 0.0) -> float:
+def grew(budget: Budget, limits: tuple[Limit, ...], now: float, ahead: float = 0.0) -> float:
     """Return when a send that changes plans leaves a window last, up to so far `ahead` [s]; −∞ where none does."""
-    longest = longest_window(limit for limit in budget.limits if limit.shared)
+    longest = longest_window(limit for limit in limits if limit.shared)
     last: dict[tuple[float, ...], float] = {}
     for t, use in (*budget.own, *budget.others(now)):
         if t + longest <= now + ahead:

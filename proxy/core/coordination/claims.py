@@ -77,7 +77,7 @@ class Claims:
         stream: Stream,
         limits: tuple[Limit, ...],
         grew: Callable[[float, float], float],
-        free: Sequence[float],
+        free: Callable[[tuple[float, ...]], Sequence[float]],
         *,
         agreed: bool,
     ) -> tuple[tuple[float, ...], float]:
@@ -148,11 +148,13 @@ class Claims:
             if each.robot != stream.robot and weighed(each).standing in claiming and is_large(each, view, limits)
         ]
 
-    def _finds_room(self, stream: Stream, limits: tuple[Limit, ...], free: Sequence[float]) -> bool:
-        """Whether one of the smaller samples of another robot's stream finds room in what is free."""
+    def _finds_room(
+        self, stream: Stream, limits: tuple[Limit, ...], free: Callable[[tuple[float, ...]], Sequence[float]]
+    ) -> bool:
+        """Whether one of the smaller samples of another robot's stream finds room in what is `free` for such."""
         size = stream.sizes.mean - TUNING.larger_deviations * stream.sizes.deviation
         use = use_of(max(1, round(size)), self._view.subscribers.copies(stream), limits, own=False)
-        return all(amount <= room for amount, room in zip(use, free, strict=True))
+        return all(amount <= room for amount, room in zip(use, free(use), strict=True))
 
     def _pays(self, stream: Stream) -> bool:
         """Whether a sample of a stream may well pay for the room it takes, if not every one."""

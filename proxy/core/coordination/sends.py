@@ -7,7 +7,7 @@ from itertools import islice
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import SendLog
 from proxy.core.market.tuning import TUNING as MARKET
-from proxy.core.model.limits import Limit, Send, longest_window, use_of
+from proxy.core.model.limits import Limit, Send, is_bulky, longest_window, use_of
 from proxy.core.view.traffic import WORDS
 from proxy.core.view.view import SharedView
 
@@ -17,6 +17,8 @@ class OwnSends(SendLog):
 
     def __init__(self) -> None:
         super().__init__()
+        self.bulky = SendLog()
+        """Of these, messages larger than half a limit."""
         self._leaving: dict[int, Send] = {}
         """Of these, large samples that the mesh has not taken yet."""
         self.leave_after = 0.0
@@ -24,12 +26,15 @@ class OwnSends(SendLog):
 
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before; nothing was used of those that are new."""
-        self.replace([(t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in self])
+        for log in (self, self.bulky):
+            log.replace([(t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in log])
         self._leaving.clear()
 
-    def note(self, now: float, use: tuple[float, ...], large: int | None) -> None:
-        """A message is sent now, a `large` sample or something else."""
+    def note(self, now: float, use: tuple[float, ...], large: int | None, *, bulky: bool = False) -> None:
+        """A message is sent now, a `large` sample or something else; `bulky`: larger than half a limit."""
         self.add(now, use)
+        if bulky:
+            self.bulky.add(now, use)
         if large is not None:
             self._leaving[large] = now, use
 
@@ -42,6 +47,8 @@ class OwnSends(SendLog):
         send = self._leaving.pop(sample, None)
         if send is not None and self.remove(send):
             self.add(now, send[1])
+            if self.bulky.remove(send):
+                self.bulky.add(now, send[1])
             took, weight = now - send[0], TUNING.departure_weight
             self.leave_after = min(
                 max(took, (1.0 - weight) * self.leave_after + weight * took), MARKET.longest_departure
@@ -63,6 +70,8 @@ class OthersSends:
         self._view, self._traffic = view, view.traffic
         self._decided, self._undecided, self._ours = SendLog(), SendLog(), OwnSends()
         """Others' sends, by whether anybody decided on them, and what of ours counts that nobody did."""
+        self._bulky = SendLog()
+        """Of those that somebody decided on, messages larger than half a limit."""
         self._limits: tuple[Limit, ...] = ()
         self._taken = 0, 0
         """How many sends there were so far, and how many had been retracted."""
@@ -76,21 +85,26 @@ class OthersSends:
         self._ours.forget(now - 2.0 * longest_window(limits))
         self._ours.add(now, use)
 
-    def used(self, since: float, k: int, limits: tuple[Limit, ...]) -> float:
-        """Return what counts of a limit since then, at most the longest window ago."""
-        undecided = self.undecided(since, k, limits)
+    def used(self, since: float, k: int, limits: tuple[Limit, ...], windows: float = 1.0) -> float:
+        """Return what counts of a limit since then, about so many windows ago."""
+        undecided = self.undecided(since, k, limits, windows)
         if not self._decided:
             return undecided
-        self._decided.forget(since - longest_window(limits))
+        self._decided.forget(since - self._traffic.remembered(longest_window(limits)))
         return self._decided.used(since, k) + undecided
 
-    def undecided(self, since: float, k: int, limits: tuple[Limit, ...]) -> float:
+    def undecided(self, since: float, k: int, limits: tuple[Limit, ...], windows: float = 1.0) -> float:
         """Return what counts of it that nobody decided on."""
         self._follow(limits)
         if not self._undecided:
             return 0.0
-        self._undecided.forget(since - longest_window(limits))
-        return min(self._undecided.used(since, k), self._room(since, k, limits[k]))
+        self._undecided.forget(since - self._traffic.remembered(longest_window(limits)))
+        return min(self._undecided.used(since, k), self._room(since, k, windows * limits[k].limit))
+
+    def bulky(self, since: float, limits: tuple[Limit, ...]) -> list[Send]:
+        """Return what was sent since then on which somebody decided, of messages larger than half a limit."""
+        self._follow(limits)
+        return self._bulky.since(since)
 
     def sends(
         self, now: float, since: float, limits: tuple[Limit, ...], leave_after: float, *, words: bool
@@ -103,9 +117,10 @@ class OthersSends:
         undecided = sorted((k for k, (*_, decided) in enumerate(sent) if not decided), key=lambda k: sent[k][0])
         if undecided:
             times = [sent[place][0] for place in undecided]
+            rooms = [self._room(now - c.window, k, c.limit) for k, c in enumerate(limits)]
             counts = zip(
                 *(
-                    _within(self._room(now - c.window, k, c), c.window, times, [uses[place][k] for place in undecided])
+                    _within(rooms[k], c.window, times, [uses[place][k] for place in undecided])
                     for k, c in enumerate(limits)
                 ),
                 strict=True,
@@ -114,9 +129,9 @@ class OthersSends:
                 uses[place] = use
         return tuple([(min(t + leave_after, max(t, now)), use) for (t, *_), use in zip(sent, uses, strict=True)])
 
-    def _room(self, since: float, k: int, limit: Limit) -> float:
+    def _room(self, since: float, k: int, limit: float) -> float:
         """Return how much of a limit may count as used since then by what others send that nobody decides on."""
-        return max(0.0, (1.0 - self._view.specs.floor) * limit.limit - self._ours.used(since, k))
+        return max(0.0, (1.0 - self._view.specs.floor) * limit - self._ours.used(since, k))
 
     def _follow(self, limits: tuple[Limit, ...]) -> None:
         """Take in what was noted since the last time; all of it under other limits, or when something was retracted."""
@@ -126,10 +141,13 @@ class OthersSends:
             return
         sends, retracted = self._taken
         if limits != self._limits or retracted != traffic.retracted:
-            self._decided, self._undecided, sends = SendLog(), SendLog(), 0
+            self._decided, self._undecided, self._bulky, sends = SendLog(), SendLog(), SendLog(), 0
         self._limits, self._taken = limits, noted
         for t, amount, _, decided in islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None):
-            (self._decided if decided else self._undecided).add(t, use_of(*amount, limits, own=False))
+            use = use_of(*amount, limits, own=False)
+            (self._decided if decided else self._undecided).add(t, use)
+            if decided and is_bulky(use, limits):
+                self._bulky.add(t, use)
 
 
 def _within(room: float, window: float, times: Sequence[float], amounts: Sequence[float]) -> list[float]:

@@ -111,6 +111,8 @@ class CoordinationTuning:
     """How long large samples take to leave: the last has this weight unless it took longer."""
     stretched_windows: float = 16.0
     """Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
+    beside_oversized: float = 0.05
+    """So much of a stretched window is left beside what is booked: small samples come in no even number."""
 
     deciding: float = 0.01
     """What is decided elsewhere is on its way so much later than generated [s]: with half 2.1 % over, not 1.2."""

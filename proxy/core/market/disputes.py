@@ -59,13 +59,16 @@ class Disputes:
         """So many of the streams that compete are new."""
         self._load: tuple[tuple[Stream, int], ...] = ()
         """The streams that are booked, and in how many copies their samples go."""
-        self._reserve: Amounts = ()
+        self.booked: Amounts = ()
+        """What of each limit is booked in a window."""
         self._known: tuple[float, int, int] | None = None
         self._known_use: Amounts | None = None
         self._known_sends: _Sends = [], []
         """The sends of what is booked, as they are after so many sends noted at that time: one event asks often."""
         self._sends_of: dict[int, tuple[Sent, list[Send]]] = {}
         """Those of each of them, by its place, as they are since it sent this."""
+        self.contested: tuple[tuple[Amounts, Amounts], ...] = ()
+        """What samples of each contested stream use, and by how much that varies."""
         self.settled: frozenset[Place] = frozenset()
         """The streams that are no part of any decision."""
         self.under_way = UnderWay()
@@ -153,7 +156,7 @@ class Disputes:
         booked, limits = self._used(now), self._limits
         limit = [
             c.limit - min(max(amount, used), max(amount, TUNING.booked * c.limit))
-            for c, amount, used in zip(limits, self._reserve, booked, strict=True)
+            for c, amount, used in zip(limits, self.booked, booked, strict=True)
         ]
         return tuple(limit), tuple([self._planned(c.window) for c in limits])
 
@@ -163,9 +166,9 @@ class Disputes:
 
     def besides(self, now: float, use: Amounts) -> Amounts:
         """Return the use of a contested message, and beside it what was booked and is not used yet."""
-        if len(use) != len(self._reserve):
+        if len(use) != len(self.booked):
             return use
-        free = [max(0.0, amount - used) for amount, used in zip(self._reserve, self._used(now), strict=True)]
+        free = [max(0.0, amount - used) for amount, used in zip(self.booked, self._used(now), strict=True)]
         return tuple([u + f if u > 0.0 else u for u, f in zip(use, free, strict=True)])
 
     def unbooked(self, now: float, sends: Sequence[Send], *, own: bool) -> tuple[Send, ...]:
@@ -175,7 +178,7 @@ class Disputes:
         once more, and four robots with poses for all used 65 % of a limit instead of 75. Larger teams need that margin.
         """
         late = TUNING.longest_departure if self._view.members.speaking <= TUNING.few_others else 0.0
-        booked, left, since = defaultdict[Amounts, deque[float]](deque), [], now - longest_window(self._limits)
+        booked, left, since = defaultdict[Amounts, deque[float]](deque), [], now - self._reach()
         for t, use in sorted(self._sends(now)[own]):
             booked[use].append(t)
         for t, use in sorted(send for send in sends if send[0] >= since):
@@ -207,12 +210,13 @@ class Disputes:
             )
             for k, c in enumerate(limits)
         ]
-        self._reserve = tuple(
+        self.booked = tuple(
             [
                 min(amount + more, TUNING.booked * c.limit, c.limit - keep)
                 for amount, more, c, keep in zip(booked, presumed, limits, kept, strict=True)
             ]
         )
+        self.contested = tuple([(row.use, row.deviation) for row in contested])
         self.settled = frozenset(place for place, w in self._weighed.items() if w.standing is not Standing.CONTESTED)
         periods = [row.interval for row in contested if row.stream.information_type.markovian]
         few = len({row.stream.robot for row in contested}) <= TUNING.late_robots
@@ -274,7 +278,7 @@ class Disputes:
         if self._known == known:
             return self._known_sends
         found: _Sends = [], []
-        since, known_of = now - longest_window(self._limits), self._sends_of
+        since, known_of = now - self._reach(), self._sends_of
         for place, (stream, copies) in enumerate(self._load):
             if stream.sent is None or stream.sent.t_sent < since:
                 continue
@@ -284,6 +288,10 @@ class Disputes:
             found[self._own(stream)].extend([send for send in of[1] if send[0] >= since])
         self._known, self._known_sends, self._known_use = known, found, None
         return found
+
+    def _reach(self) -> float:
+        """Return for how long sends count, in windows that may be stretched [s]."""
+        return self._view.traffic.remembered(longest_window(self._limits))
 
     def _recent_sends(self, stream: Stream, copies: int, since: float) -> list[Send]:
         """Return what a stream sent since then, the newest first."""

@@ -32,12 +32,14 @@ Send = tuple[float, tuple[float, ...]]
 class Limits:
     """The constraints of a problem, and what was sent that counts against them, oldest first, by us and by others.
 
-    `alone`: they are our part, for our streams only. `agreed`: all plans say the same of what others may have sent.
+    Each counts over so many `windows`, more than one where messages are larger than it. `alone`: they are our part, for
+    our streams only. `agreed`: all plans say the same of what others may have sent.
     """
 
     union: tuple[Limit, ...]
     sent: tuple[Send, ...] = ()
     others: tuple[Send, ...] = ()
+    windows: tuple[float, ...] = ()
     alone: bool = False
     agreed: bool = False
 
@@ -82,6 +84,19 @@ def exceeds(part: float, use: Sequence[float], limits: Iterable[Limit]) -> bool:
         if amount > part * limit.limit and limit.shared:
             return True
     return False
+
+
+def is_bulky(use: Sequence[float], limits: Iterable[Constraint]) -> bool:
+    """Whether a message is larger than half of what a limit lets pass in its window."""
+    return any(amount > 0.5 * limit.limit for amount, limit in zip(use, limits, strict=True))
+
+
+def stretched(limits: Sequence[Limit], windows: Sequence[float]) -> tuple[Limit, ...]:
+    """Return the limits with so many windows' length and room each; as they are where nothing is said of windows."""
+    if not windows:
+        return tuple(limits)
+    each = zip(limits, windows, strict=True)
+    return tuple([replace(c, window=n * c.window, limit=n * c.limit) if n > 1.0 else c for c, n in each])
 
 
 def longest_window(limits: Iterable[Constraint]) -> float:

@@ -11,7 +11,7 @@ from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Amounts, Standing, rate_known
 from proxy.core.market.tuning import TUNING
 from proxy.core.market.undersubscribed import Undersubscribed
-from proxy.core.model.limits import use_of
+from proxy.core.model.limits import longest_window, stretched, use_of
 from proxy.core.model.mode import Mode, in_force
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream
@@ -115,7 +115,7 @@ class Appraisal:
 
     def lacking_beside_booked(self, now: float, use: Use) -> tuple[str, ...]:
         """Name the limits that have no room for a contested message beside what is booked and not used yet."""
-        return self.budget.lacking(now, self.disputes.besides(now, use))
+        return self.budget.lacking(now, use, self.disputes.besides(now, use))
 
     def weigh_copy(self, now: float, use: Use) -> tuple[str, ...]:
         """Weigh the streams that compete; name the limits without room for a copy beside what is booked for them.
@@ -133,12 +133,13 @@ class Appraisal:
         budget = self.budget
         if stream is None or budget.alone or not self.view.peers:
             return (), math.inf
-        if any(amount > c.limit for amount, c in zip(use, budget.usable(now), strict=True)):
-            return (), math.inf  # there never is room beside it
+        limits = budget.stretch.limits(now, budget.usable(now), use)
         taken, until = self.claims.rivals(
-            now, stream, budget.limits, partial(grew, budget), budget.free(now), agreed=budget.agreed
+            now, stream, limits, partial(grew, budget, limits), partial(budget.free, now), agreed=budget.agreed
         )
-        return self.lacking_beside_booked(now, both(use, taken)) if any(taken) else (), until
+        if not any(taken):
+            return (), until
+        return budget.lacking(now, use, self.disputes.besides(now, both(use, taken))), until
 
     def weigh_ahead(self, now: float) -> None:
         """Weigh the streams that compete if it is time to, so that the next sample need not wait for that."""
@@ -147,4 +148,9 @@ class Appraisal:
 
     def _advance(self, now: float, deciding: Stream | None = None) -> None:
         """Weigh anew how streams stand, if it is time to."""
-        self.disputes.advance(now, self.budget.usable(now), alone=self.budget.alone, deciding=deciding)
+        budget, disputes, before = self.budget, self.disputes, self.disputes.revision
+        limits = budget.usable(now)
+        disputes.advance(now, limits, alone=budget.alone, deciding=deciding)
+        if disputes.revision != before:
+            budget.stretch.weigh(limits, disputes.booked, disputes.contested)
+            self.view.traffic.stretch(longest_window(stretched(limits, budget.stretch.planned(limits))))

@@ -61,7 +61,7 @@ class StaticRule:
         part, budget = self._view.specs.fallback.part, self._budget
         ours = [max(0.0, room + budget.used(now, k)) for k, room in enumerate(budget.free(now))]
         self._buckets.fill(now, budget.limits, [part * room for room in ours])
-        lacking = self._budget.lacking(now, self.needed(sample, use))
+        lacking = budget.lacking(now, tuple(use), self.needed(sample, use))
         if lacking or self._urgent(sample):
             return lacking
         lacking = self._buckets.lacking(use)

@@ -121,7 +121,7 @@ class Waits:
         else:
             needed = use if self._budget.alone else self._disputes.under_way.beside(use, news_take(self._view))
         wanted = Room.ANYBODYS if leads else Room.OWN if contested else Room.IN_TURN
-        room = self._budget.opens(now, needed, wanted)
+        room = self._budget.opens(now, use, wanted, needed)
         if leads and room > now:
             room += opening(self._view)
         opens = room if room <= until else -math.inf

@@ -1,6 +1,5 @@
 """What goes on the air: how much this robot sent in all, and when other robots sent how much."""
 
-import math
 from collections import deque
 
 from proxy.core.model.limits import Limit
@@ -27,8 +26,8 @@ class TrafficLog:
         """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[Entry] = deque(maxlen=TUNING.sends)
         self.revision = 0
-        self.words_at = -math.inf
-        """When robots told each other more than they may last [s]."""
+        self._stretched = 0.0
+        """For how long windows are stretched for messages larger than a limit [s]."""
         self.noted, self.retracted = 0, 0
         """How many sends of others were noted so far, and how many of them turned out to be none."""
 
@@ -61,7 +60,6 @@ class TrafficLog:
 
     def note_words(self, at: float, size: int, copies: int) -> None:
         """Robots tell so much [B], in so many copies, while it is more than they may: limits leave no room for it."""
-        self.words_at = at
         self.note_unknown(at, size, WORDS, copies)
 
     def retract(self, entry: Entry) -> None:
@@ -80,13 +78,21 @@ class TrafficLog:
         since, use = now - limit.window, limit.measure.use
         return sum(use(*amount, own=False) for at, amount, *_ in self.sends if at >= since)
 
+    def stretch(self, longest: float) -> None:
+        """Windows are stretched, the longest to so much [s]."""
+        self._stretched = longest
+
+    def remembered(self, longest: float) -> float:
+        """Return for how long sends count, if the longest window is so long and not stretched [s]."""
+        return max(longest, self._stretched)
+
     def announced(self) -> None:
         """A digest of ours tells what we sent so far."""
         self.largest = 0
 
     def sweep(self, now: float, longest: float) -> None:
         """Forget what no window counts, the longest of which is so long [s]; cheap to call at every event."""
-        since = now - TUNING.windows_kept * longest
+        since = now - TUNING.windows_kept * self.remembered(longest)
         while self.sends and self.sends[0][0] < since:
             self.sends.popleft()
             self.revision += 1

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from planner import Problem
 from proxy.core.market.disputes import Disputes
-from proxy.core.model.limits import Limits
+from proxy.core.model.limits import Limits, stretched
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Stream, at_stake
 from proxy.core.view.view import SharedView
@@ -93,6 +93,7 @@ class WindowBuilder:
             replace(c, limit=max(left, TUNING.contested_at_least * c.limit), window=window)
             for c, left, window in zip(limits.union, *disputes.left(now), strict=True)
         )
+        union = stretched(union, limits.windows)
         sent, others = disputes.unbooked(now, limits.sent, own=True), disputes.unbooked(now, limits.others, own=False)
         return replace(limits, union=union, sent=sent, others=others)
 

@@ -33,6 +33,7 @@ KEPT = {
         "Budget._usable",
         "Budget._usable_for",
         "Budget._others",
+        "Stretch._others",
         "Openings._of",
         "Openings._known",
     ),

@@ -48,12 +48,15 @@ def flown(weight):
 
 @pytest.mark.parametrize(("weight", "least"), [(0.1, 0), (100.0, 1)])
 def test_a_large_sample_is_sent_when_it_is_worth_what_it_displaces(weight, least):
-    """And then nothing else for as long as its bytes take; else the small ones are."""
+    """Small ones go beside it as far as all keeps the limit on average; else they are sent alone."""
     deliveries = flown(weight)
     large = [d for d in deliveries if d.frame.key.endswith("map") and d.t_sent > 3.0]
     assert len(large) >= least
     assert len(large) == 0 or weight > 1.0
-    assert not _overfull([d for d in deliveries if d.t_sent > 3.0])
+    assert not _overfull(large)
+    assert not _overfull([d for d in deliveries if d not in large and d.t_sent > 3.0])
+    sent = sum(d.frame.size for d in deliveries if d.t_sent > 3.0)
+    assert sent <= LIMIT / WINDOW * (SECONDS - 1.0) + 60_000
 
 
 def _overfull(deliveries):

@@ -109,31 +109,70 @@ def test_a_problem_has_what_still_counts(make_budget):
     assert limits.others == ((1.1, (60.0, 1.0)),)
 
 
-@pytest.mark.parametrize(("size", "there"), [(400, True), (600, False)])
-def test_a_problem_has_no_words_where_a_message_is_larger_than_a_limit_in_all_its_copies(make_budget, size, there):
-    """For it is sent only where nothing else was: words would keep it back for as long as robots tell too much."""
-    budget, view = make_budget(peers=2)
-    stream = view.streams.touch(1.0, "r1", "robot/r1/camera")
-    stream.matching = True
-    view.subscribers.set("p0", ("robot/**",))
-    view.subscribers.set("p1", ("robot/**",))
-    stream.note_generated(1, Generated(1.0, size, 1.0))
-    assert view.subscribers.copies(stream) == 2
-    view.traffic.note_words(1.1, 50, 1)
-    assert bool(budget.problem_limits(1.2).others) is there
-
-
 def test_a_message_larger_than_the_limit_has_the_window_stretched_for_it(make_budget):
-    """It goes when nothing was sent for as long as its bytes take, and nothing else goes for as long after it."""
+    """It goes when what was sent for as long as its bytes take leaves it room, and only little goes for as long."""
     budget, view = make_budget()
-    heard(view, 1.0, 10)
+    heard(view, 1.0, 600)
     large = (2500.0,)
+    budget.stretch.weigh(budget.limits, (0.0,), [(large, (0.0,))])
+    longer = BYTES.window * 2.5 / (1.0 - TUNING.beside_oversized)
     assert budget.lacking(3.4, large)
-    assert not budget.lacking(3.6, large)
-    budget.use(3.6, large)
-    assert budget.lacking(4.5, (1.0,))
-    assert budget.lacking(6.0, large)
-    assert not budget.lacking(6.2, large)
+    assert not budget.lacking(3.6, large), "nothing was sent for as long as its bytes take"
+    begin = 3.6
+    budget.use(begin, large)
+    for now in (begin, begin + 1.5):
+        assert budget.lacking(now, (200.0,))
+        assert not budget.lacking(now, (60.0,))
+        assert budget.opens(now, (200.0,)) == pytest.approx(begin + longer, abs=0.01)
+        budget.use(now, (60.0,))
+    assert budget.lacking(begin + 2.0, (60.0,))
+    assert budget.lacking(begin + longer - 0.1, large)
+    assert budget.opens(begin + longer - 0.1, large) == pytest.approx(begin + longer, abs=0.01)
+    assert not budget.lacking(begin + longer + 0.1, large), "beside what little was sent"
+
+
+def test_a_message_larger_than_the_limit_has_room_beside_what_is_booked(make_budget):
+    """The window is as much longer as that takes; small messages have their part of each window, no more."""
+    budget, view = make_budget()
+    budget.stretch.weigh(budget.limits, (400.0,), [((1100.0,), (0.0,))])
+    for number in range(40):
+        heard(view, 0.1 * number, 40)
+    large, small, sent = (1100.0,), (40.0,), list[float]()
+    longer = BYTES.window * 1.1 / (0.6 - TUNING.beside_oversized)
+    assert budget.problem_limits(4.0).windows == (pytest.approx(longer),)
+    for number in range(80):
+        now = 4.0 + 0.1 * number
+        if not budget.lacking(now, large):
+            budget.use(now, large)
+            sent.append(now)
+        assert not budget.lacking(now, small), now
+        assert budget.opens(now, small) < now + 0.01
+        budget.use(now, small)
+        assert budget.lacking(now, (540.0,)) or now >= sent[-1] + longer
+    assert len(sent) == 4
+    assert all(longer <= later - earlier < longer + 0.1 for earlier, later in itertools.pairwise(sent))
+
+
+def test_what_is_sent_beside_a_large_message_keeps_the_limit_alone(make_budget):
+    """A window of sixteen has room for much, that of the limit has not."""
+    budget, view = make_budget()
+    heard(view, 1.0, 2500)
+    heard(view, 1.0, 5000)
+    assert budget.lacking(4.0, (700.0,))
+    assert not budget.lacking(6.0, (700.0,))
+    budget.use(6.0, (700.0,))
+    heard(view, 6.0, 200)
+    assert budget.lacking(6.5, (101.0,))
+    assert not budget.lacking(6.5, (99.0,))
+
+
+def test_what_messages_use_together_is_no_message_larger_than_the_limit(make_budget):
+    """For one that is smaller a window must be empty that is as much longer: each may be what another robot sends."""
+    budget, _ = make_budget()
+    budget.use(3.9, (20.0,))
+    assert not budget.lacking(4.0, (600.0,), (900.0,))
+    assert budget.lacking(4.0, (600.0,), (1200.0,))
+    assert not budget.lacking(5.2, (600.0,), (1200.0,))
 
 
 def large_team(make_budget, robots, size):
@@ -263,10 +302,10 @@ def test_room_grew_last_when_a_large_send_left_the_window(make_budget):
     budget.use(1.0, (300.0,))
     heard(view, 1.2, 300)
     budget.use(1.3, (5.0,))
-    assert grew(budget, 1.9) == -math.inf
-    assert grew(budget, 2.1) == pytest.approx(2.0)
-    assert grew(budget, 2.5) == pytest.approx(2.2)
-    assert grew(budget, 1.9, 0.1) == pytest.approx(2.0)
+    assert grew(budget, budget.limits, 1.9) == -math.inf
+    assert grew(budget, budget.limits, 2.1) == pytest.approx(2.0)
+    assert grew(budget, budget.limits, 2.5) == pytest.approx(2.2)
+    assert grew(budget, budget.limits, 1.9, 0.1) == pytest.approx(2.0)
 
 
 def test_a_little_is_ours_whatever_others_say(make_budget):

@@ -46,7 +46,7 @@ def judged(view, now, *, grew=-math.inf, agreed=False, free=math.inf):
     disputes.advance(now, limits, alone=False)
     stream = view.streams.known("r1", "robot/r1/camera")
     grows = grew if callable(grew) else lambda *_: grew
-    return Claims(view, disputes).rivals(now, stream, limits, grows, (free,), agreed=agreed)
+    return Claims(view, disputes).rivals(now, stream, limits, grows, lambda _: (free,), agreed=agreed)
 
 
 def generated(view, t):
@@ -338,7 +338,9 @@ def test_a_contested_stream_does_not_wait_for_a_priced_one(view, monkeypatch, ou
     sent(view, "r2", 9.0)
     now = 10.0 + 0.5 * TUNING.deciding
     expected, claims = 0.0 if ours is Standing.CONTESTED else SIZE, Claims(view, disputes)
-    assert claims.rivals(now, stream, limits, lambda *_: -math.inf, (math.inf,), agreed=False)[0] == (expected,)
+    assert claims.rivals(now, stream, limits, lambda *_: -math.inf, lambda _: (math.inf,), agreed=False)[0] == (
+        expected,
+    )
     assert claims.lead(now, stream, limits) is (ours is Standing.CONTESTED)
 
 
@@ -401,7 +403,9 @@ def test_of_those_who_give_way_in_vain_one_goes_first(view):
         theirs.note_generated(theirs.generated + 1, Generated(now - 0.5 * TUNING.deciding, SIZE, 1.0))
         theirs.sent = Sent(8.0, 8.0, SIZE, 1.0)
         ours.sent = Sent(9.0, 9.0, SIZE, 1.0)
-        asked = Claims(view, disputes).rivals(now, ours, limits, lambda *_: -math.inf, (math.inf,), agreed=False)
+        asked = Claims(view, disputes).rivals(
+            now, ours, limits, lambda *_: -math.inf, lambda _: (math.inf,), agreed=False
+        )
         assert asked[0] == (expected,)
 
 

@@ -179,11 +179,19 @@ def test_what_a_better_claim_may_just_have_had_sent_takes_the_room(rivals):
     assert rivals.lacking_beside_rivals(10.05, frames, (size,))[0] == ()
 
 
+def test_a_sample_larger_than_the_limit_gives_way_as_others_do(rivals):
+    """Else all robots that have such sent at once, as each found the longer window empty: up to 3.8 limits in it."""
+    frames, size = rivals.view.streams.known("r1", CAMERA), 1.2 * rivals.budget.limits[0].limit
+    rivals.weigh(10.27, frames, waiting())
+    rivals.budget.stretch.weigh(rivals.budget.limits, (0.0,), [((size,), (0.0,))])
+    assert not rivals.budget.lacking(10.27, (size,))
+    assert rivals.lacking_beside_rivals(10.27, frames, (size,))[0] == ("throughput",)
+
+
 def test_nobody_is_waited_for_where_that_gains_nothing(rivals):
-    """What is larger than the limit never has room beside others; what no spec plans for has no claim."""
+    """What no spec plans for has no claim, and who has gone sends nothing."""
     frames = rivals.view.streams.known("r1", CAMERA)
     rivals.weigh(10.0, frames, waiting())
-    assert rivals.lacking_beside_rivals(10.0, frames, (1e9,)) == ((), math.inf)
     assert rivals.lacking_beside_rivals(10.0, None, (SIZE,)) == ((), math.inf)
     rivals.view.gone(1.0, "z-r2")
     assert rivals.lacking_beside_rivals(10.0, frames, (SIZE,)) == ((), math.inf)

@@ -1,0 +1,96 @@
+"""Where messages are larger than a limit lets pass in its window, they are counted in a longer one.
+
+It is as long as such a message takes beside what is booked. In it all that is sent keeps the limit on average, and in
+the window itself what is sent beside large messages keeps it alone: three robots that sent each other frames of 35 kB,
+70 kB in all copies, where a window of 1 Mbit/s holds 62, sent none as long as poses took 6 %, when a window had to be
+empty for them. Not for a stream of which one sample in ten or more fits: these are sent instead.
+"""
+
+from collections.abc import Iterable, Sequence
+
+from proxy.core.coordination.sends import OthersSends, OwnSends
+from proxy.core.coordination.tuning import TUNING
+from proxy.core.model.limits import Limit, stretched
+
+Amounts = tuple[float, ...]
+"""Of each limit."""
+
+
+class Stretch:
+    """How many windows long the window of each limit is, in the order of the limits."""
+
+    def __init__(self, own: OwnSends, others: OthersSends) -> None:
+        self._own, self._others = own, others
+        self._booked: Amounts = ()
+        """What is booked for other messages."""
+        self._largest: Amounts = ()
+        """What a sample uses of the contested stream with the largest, if they do not fit beside that; else 0."""
+
+    def weigh(self, limits: Sequence[Limit], booked: Amounts, contested: Iterable[tuple[Amounts, Amounts]]) -> None:
+        """So much of each limit is booked; samples of contested streams use so much, and vary by so much."""
+        self._booked, largest = booked, [0.0] * len(limits)
+        for use, deviation in contested:
+            for k, limit in enumerate(limits):
+                if use[k] - TUNING.larger_deviations * deviation[k] > limit.limit - booked[k]:
+                    largest[k] = max(largest[k], use[k] + deviation[k])
+        self._largest = tuple(largest)
+
+    def planned(self, limits: Sequence[Limit]) -> Amounts:
+        """Return the windows' lengths for plans, which know the largest message to come [windows]."""
+        if len(self._largest) != len(limits):
+            return (1.0,) * len(limits)
+        return tuple([self._windows(k, limit, self._largest[k]) for k, limit in enumerate(limits)])
+
+    def limits(self, now: float, limits: tuple[Limit, ...], use: Amounts) -> tuple[Limit, ...]:
+        """Return the limits as they bind a message with this use now."""
+        windows = [self._now(now, k, limits, self._needed(k, limits[k], amount)) for k, amount in enumerate(use)]
+        return limits if max(windows, default=1.0) <= 1.0 else stretched(limits, windows)
+
+    def room(self, now: float, k: int, limits: tuple[Limit, ...], message: float, longer: float) -> float:
+        """Return what is left of a limit for a message in the window that ends now and began `longer` ago than it does.
+
+        Messages for which windows are stretched count in these, and in no others.
+        """
+        limit, late = limits[k], self._own.leave_after
+        needed = self._needed(k, limit, message)
+        windows = self._now(now, k, limits, needed)
+        since = now - (windows * limit.window + longer)
+        used = self._own.used(since, k) + self._others.used(since - late, k, limits, windows)
+        room = windows * limit.limit - used
+        if windows > needed == 1.0:
+            since = now - (limit.window + longer)
+            beside = self._own.used(since, k) + self._others.used(since - late, k, limits)
+            bulky = [*self._own.bulky.since(since), *self._others.bulky(since - late, limits)]
+            large = sum([use[k] for _, use in bulky if self._windows(k, limit, use[k]) > 1.0])
+            room = min(room, limit.limit - beside + large)
+        return room
+
+    def _now(self, now: float, k: int, limits: tuple[Limit, ...], longest: float) -> float:
+        """Return the length of window `k` now for a message that needs one so long [windows]."""
+        limit, since = limits[k], now - TUNING.stretched_windows * limits[k].window
+        ours, theirs = self._own.bulky, self._others.bulky
+        for t, use in [*(ours.since(since) if ours else ()), *theirs(since, limits)]:
+            windows = self._windows(k, limit, use[k])
+            if t + windows * limit.window > now:
+                longest = max(longest, windows)
+        return longest
+
+    def _needed(self, k: int, limit: Limit, message: float) -> float:
+        """Return how many windows a message of ours takes for which they may be stretched."""
+        return self._windows(k, limit, message) if self._stretches(k) else 1.0
+
+    def _windows(self, k: int, limit: Limit, message: float) -> float:
+        """Return how many windows a message takes."""
+        left = self._left(k, limit)
+        if message <= (left if self._stretches(k) else limit.limit):
+            return 1.0
+        return min(message / left, TUNING.stretched_windows)
+
+    def _left(self, k: int, limit: Limit) -> float:
+        """Return what is left of a limit beside what is booked."""
+        booked = self._booked[k] if k < len(self._booked) else 0.0
+        return max((1.0 - TUNING.beside_oversized) * limit.limit - booked, TUNING.least_limit)
+
+    def _stretches(self, k: int) -> bool:
+        """Whether there are messages for which a window has to be stretched."""
+        return k < len(self._largest) and self._largest[k] > 0.0
