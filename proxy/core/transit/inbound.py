@@ -130,6 +130,18 @@ class Inbound:
         sent = now - line.of(size)
         return sent - wait, sent
 
+    def later(self, key: str, stamp: float | None, forwarded: int) -> float | None:
+        """Return how much later a sample was generated than the last one that news tell of, number `forwarded` [s].
+
+        By its `stamp`, on its robot's wall clock [s]; None where that says nothing.
+        """
+        incoming = self._streams.get(key)
+        if stamp is None or self.wall_offset is None or incoming is None or incoming.astray:
+            return None
+        number, generated = incoming.sent
+        later = stamp - self.wall_offset - generated
+        return later if number == forwarded and abs(later) < TUNING.timestamp_mismatch else None
+
     def heard_news(self, now: float, key: str, news: StreamDigest, *, counts: bool) -> None:
         """The robot tells of a stream. The news `counts` if each sample is for us and those it tells of have come.
 

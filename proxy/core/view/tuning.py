@@ -115,6 +115,8 @@ class ViewTuning:
     # Streams
     same_sample: float = 1e-3
     """A sample that was generated so much after the last one was sent is another one [s]."""
+    same_stamp: float = 2e-3
+    """So is one that by its timestamp was generated so much after the last one that was told [s]."""
     told_sample: float = 0.25
     """One that seems to have been generated sooner than this part of the period after a send that was told and not
     heard yet is that one: counted twice over ns-3 it cost ten robots with equal messages 5 % of utility."""
