@@ -156,11 +156,13 @@ class Direction:
             return {what: self._denied[what] for what in ("samples", "queries", "replies")} | self._withheld
 
     def _verdict(self, key: str) -> Verdict:
-        if not self._lets(key):
+        # Who publishes on `**` publishes on every key, those that are denied too.
+        names = _names(key)
+        if not any(map(self.allow.cover, names)) or any(map(self.deny.touch, names)):
             return Verdict.DENIED
         if ADVANCED in key:
             return Verdict.COMPANION
-        return Verdict.BYPASS if any(map(self._bypass.cover, _names(key))) else Verdict.ORDINARY
+        return Verdict.BYPASS if any(map(self._bypass.cover, names)) else Verdict.ORDINARY
 
     def _lets(self, expression: str) -> bool:
         names = _names(expression)

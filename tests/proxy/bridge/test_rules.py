@@ -79,6 +79,14 @@ def test_an_expression_crosses_unless_it_lies_wholly_outside(expression, crosses
     assert rules(into={"allow": ["a/**"], "deny": ["a/secret/**"]}).into.lets(expression) is crosses
 
 
+@pytest.mark.parametrize("key", ["**", "a/**", "a/*/x", "*/secret/x", "a/s$*", "a/secret/*", "b/**", "a/**/@adv/pub/x"])
+def test_a_sample_on_a_key_expression_needs_leave_for_all_its_keys(key):
+    """Who subscribes to one of them gets it: a peer reached denied keys by publishing on `**`."""
+    found = rules(into={"allow": ["a/**"], "deny": ["a/secret/**"]})
+    assert found.into.verdict(key) is Verdict.DENIED
+    assert found.into.verdict("a/public/*") is Verdict.ORDINARY
+
+
 def test_companions_are_found():
     """Advanced pub/sub keys and ROS 2 tokens belong to a key, all else to none."""
     assert companion("a/b/@adv/pub/zid/1/_") == Companion("a/b", takes=False)
@@ -234,13 +242,13 @@ def test_what_may_not_come_in_does_not_reach_the_apps(start):
     wait_interest(pair[0], pair[1], keys=("**",))
     assert pair[0].posted(InterestChanged)[-1].keys == ("**",)
     app = pair[1].node()
-    app.put("secret/a", "1")
-    app.put("open", "2")
+    for key in ("secret/a", "**", "open"):
+        app.put(key, "1")
     wait_until(lambda: around.samples, what="the open one")
     assert [str(sample.key_expr) for sample in around.samples] == ["open"]
     assert not inside.samples
     denied = pair[0].bridge.describe()["denied"]["in"]
-    assert (denied["samples"], denied["subscribers"]) == (1, 1)
+    assert (denied["samples"], denied["subscribers"]) == (2, 1)
 
 
 def test_queryables_are_hidden_and_queries_around_them_lack_their_answers(start):
