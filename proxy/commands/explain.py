@@ -18,6 +18,7 @@ from proxy.commands.client import Client, NoAnswerError, add_client_flags, conne
 from proxy.errors import ProxyError
 from proxy.explanation_text import described, ranking
 from proxy.live_streams import competing, known, live_data, streams_of
+from proxy.printable import clean
 from proxy.quantities import Status
 from utility_specs import Specs, SpecsError
 from utility_specs.competing import Competitor, competitors, typical_sizes
@@ -127,14 +128,14 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             lines = _offline(arguments, load_set(arguments.specs), None)
     except (NoAnswerError, ExplainError, OSError) as error:
-        print(f"sendworthy explain: {error}", file=sys.stderr)
+        print(clean(f"sendworthy explain: {error}"), file=sys.stderr)
         return exit_codes.FAILED
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.FAILED
-    plain = _style(arguments) is ASCII and not arguments.json
+    plain = _style(arguments) is ASCII
     for line in lines:
-        print(line.translate(TYPED) if plain else line)
+        print(line if arguments.json else clean(line.translate(TYPED) if plain else line))
     return exit_codes.OK
 
 

@@ -268,6 +268,17 @@ def test_the_next_sample_is_taken_from_the_daemon(explained, robot):
     assert "robot/r1/battery of r1" in out
 
 
+def test_a_key_cannot_command_the_terminal(explained, robot):
+    """Keys are words of whoever publishes: of the sample, and of streams beside it."""
+    key = "robot/\x1b[2J\x07/battery"
+    robot["streams"].append(robot["streams"][0] | {"key": "robot/\x1b[31m/battery"})
+    with publishing(robot["endpoint"], key, [b'{"charge": 0.1}']):
+        out = explained("--live", "robot/*/battery", "--connect", robot["endpoint"]).out
+    assert out.startswith("robot/\ufffd[2J\ufffd/battery (15 B")
+    assert "robot/\ufffd[31m/battery of r1" in out
+    assert all(line.isprintable() for line in out.splitlines())
+
+
 def test_scripts_get_live_explanations_too(explained, robot):
     """And whether the specs that explain are those in force."""
     with publishing(robot["endpoint"], "robot/r1/battery", [b'{"charge": 0.1}']):
