@@ -77,6 +77,8 @@ class BridgeBounds:
     """Words on backlogs that all robots together may say in a second."""
     answers: int = 50
     """Questions for our state that are answered in a second."""
+    states_to_all: float = 2.0
+    """Where there are more all are told it, so far apart [s]: who asks without end kept newcomers from it for good."""
     order_bytes: int = 2 * 1024 * 1024
     """An order is no longer than this [B]."""
     proof_bytes: int = 256 * 1024

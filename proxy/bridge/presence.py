@@ -6,6 +6,7 @@ together that are not known yet, may say so much a second. Only the rest is read
 """
 
 import logging
+import math
 import threading
 from collections import deque
 from collections.abc import Callable, Collection
@@ -77,6 +78,7 @@ class Presence:
         self._state: bytes | None = None
         self._sent: deque[int] = deque(maxlen=BOUNDS.echoed_digests)
         self._answered: deque[float] = deque(maxlen=BOUNDS.answers)
+        self._told_all = -math.inf
         self._old = old
         self.floods = Floods(offer)
         self._hold_back = hold_back
@@ -160,14 +162,24 @@ class Presence:
                 log.error("cannot publish on %s: %s", key, error)
 
     def _answer_state(self, query: zenoh.Query) -> None:
-        """Answer a question, if there were not too many: who asks in vain asks again."""
+        """Answer a question; nobody knows whose it is, so where there are too many all are told."""
         now = clock.monotonic()
         with query:
-            if self._state is None or (len(self._answered) == BOUNDS.answers and now < self._answered[0] + 1.0):
+            if self._state is None:
+                return
+            if len(self._answered) == BOUNDS.answers and now < self._answered[0] + 1.0:
+                self._tell_all(now, self._state)
                 return
             self._answered.append(now)
             query.reply(keys.state(self._robot, self._tag), self._state)
         self._offer(StateAsked(now))
+
+    def _tell_all(self, now: float, state: bytes) -> None:
+        """Publish our state in place of an answer, now and then."""
+        self.floods.refuse(now, self._robot, "question:flood")
+        if now >= self._told_all + BOUNDS.states_to_all:
+            self._told_all = now
+            self._executor.offer(partial(self._put, keys.state(self._robot, self._tag), state))
 
     def _hear_digest(self, sample: zenoh.Sample) -> None:
         self._hear_digest_of(str(sample.key_expr), sample)

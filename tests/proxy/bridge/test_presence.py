@@ -2,6 +2,7 @@
 
 import threading
 from collections import Counter
+from functools import partial
 
 import msgpack
 import pytest
@@ -293,9 +294,21 @@ def test_what_one_robot_says_is_bounded_whoever_says_it(stack, two, monkeypatch)
     assert len(first.of(StateHeard)) <= BOUNDS.states + 1
 
 
-def flooded(robot):
+def test_who_asks_without_end_keeps_the_state_from_nobody(stack, two):
+    """Where more is asked than is answered all are told, now and then; what is too much is counted."""
+    first, second = two
+    first.presence.send_state(first.state(number=1))
+    wait_until(lambda: second.of(StateHeard), what="the state")
+    stranger = closing(stack, plain_session("peer", connect=(first.endpoint,)))
+    asked = partial(stranger.get, keys.ALL_STATES, zenoh.handlers.Callback(lambda _: None))
+    wait_until(lambda: asked() or flooded(first, "question:flood"), what="more than is answered")
+    wait_until(lambda: len(second.of(StateHeard)) > 1, what="the state, that it did not ask for")
+    assert {event.state.zid for event in second.of(StateHeard)} == {first.zid}
+
+
+def flooded(robot, kind="digest:flood"):
     robot.presence.floods.flush(0.0)
-    return sum(event.count for event in robot.of(MalformedHeard) if event.kind == "digest:flood")
+    return sum(event.count for event in robot.of(MalformedHeard) if event.kind == kind)
 
 
 def test_digests_that_were_heard_before_take_nothing_from_those_that_come(two):
