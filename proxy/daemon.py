@@ -269,7 +269,7 @@ class Daemon:
     def _serve_fleet(self, sides: Sides, presence: Presence, opening: ExitStack) -> None:
         """Pass on and obey orders for all robots."""
         loop, core = self._loop, self._loop.core
-        token = _secret(self._config)
+        sworn = bool(_secret(self._config))
         executor, passing = (SerialExecutor(name, TUNING.orders) for name in ("fleet", "fleet out"))
         for each in (executor, passing):
             opening.callback(each.close, TUNING.stop_wait)
@@ -286,7 +286,7 @@ class Daemon:
                 self.reloading,
             ),
             members=lambda: loop.ask(lambda: [peer.name for peer in core.view.peers.values()], TUNING.core_wait),
-            guard=OrderGuard(self.robot, token) if token else None,
+            guard=OrderGuard(self.robot, lambda: self._config.fleet.secret) if sworn else None,
             refuse=presence.floods.refuse,
         )
         opening.callback(fleet.close)

@@ -8,7 +8,7 @@ once more, and no clock need be right.
 import hashlib
 import hmac
 import secrets
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import msgpack
@@ -49,13 +49,15 @@ def read_token(file: Path) -> str:
 
 
 class OrderGuard:
-    """Lets the orders of those pass who know `token`. Not thread-safe: one thread asks it all.
+    """Lets the orders of those pass who know the token. Not thread-safe: one thread asks it all.
+
+    `token` returns it, or raises ValueError; it is asked for each order, as the file may have been replaced.
 
     It keeps nothing of a challenge until that is answered rightly, so nobody uses up its memory or pushes others'
     challenges out. Times are those of a monotonic clock [s].
     """
 
-    def __init__(self, robot: str, token: str) -> None:
+    def __init__(self, robot: str, token: Callable[[], str]) -> None:
         self._robot = robot
         self._token = token
         self._own = secrets.token_bytes(32)
@@ -73,7 +75,11 @@ class OrderGuard:
         challenge, proof = _proof_for(self._robot, proofs)
         if not self._fresh(now, challenge):
             return "the order answers no challenge of this robot, or too late: give it again"
-        if not hmac.compare_digest(proof, prove(self._token, order, self._robot, challenge, payload)):
+        try:
+            token = self._token()
+        except ValueError as error:
+            return f"its own token cannot be read: {error}"
+        if not hmac.compare_digest(proof, prove(token, order, self._robot, challenge, payload)):
             return "the order was given with another token"
         if challenge in self._used:
             return "the order was given before"

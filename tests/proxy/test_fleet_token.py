@@ -16,7 +16,7 @@ ANSWERS_NONE = "the order answers no challenge of this robot, or too late: give 
 
 @pytest.fixture
 def guard():
-    return OrderGuard("r1", KNOWN)
+    return OrderGuard("r1", lambda: KNOWN)
 
 
 def proved(guard, now=0.0, *, secret=KNOWN, order="mode", payload=b"shadow", robot="r1"):
@@ -50,9 +50,23 @@ def test_another_token_is_refused(guard):
     assert guard.objection(0.0, "mode", b"shadow", order) == "the order was given with another token"
 
 
+def test_a_token_that_is_replaced_holds_at_once(tmp_path):
+    """The one before proves nothing any more; where none can be read nobody is obeyed."""
+    file = tmp_path / "fleet.token"
+    file.write_text(KNOWN)
+    guard = OrderGuard("r1", lambda: read_token(file))
+    assert guard.objection(0.0, "mode", b"shadow", proved(guard)) == ""
+    file.write_text(OTHER)
+    assert guard.objection(0.0, "mode", b"shadow", proved(guard)) == "the order was given with another token"
+    assert guard.objection(0.0, "mode", b"shadow", proved(guard, secret=OTHER)) == ""
+    file.unlink()
+    said = f"its own token cannot be read: {file}: cannot be read: No such file or directory"
+    assert guard.objection(0.0, "mode", b"shadow", proved(guard, secret=OTHER)) == said
+
+
 def test_what_was_proved_to_another_robot_or_before_a_restart_proves_nothing(guard):
     """Challenges are those of this robot and of this run of it."""
-    for other in (OrderGuard("r2", KNOWN), OrderGuard("r1", KNOWN)):
+    for other in (OrderGuard("r2", lambda: KNOWN), OrderGuard("r1", lambda: KNOWN)):
         assert guard.objection(0.0, "mode", b"shadow", proved(other)) == ANSWERS_NONE
     assert guard.objection(0.0, "mode", b"shadow", proved(guard, robot="r2")) == ANSWERS_NONE
 
@@ -71,7 +85,7 @@ def test_a_challenge_can_be_answered_for_a_while(guard):
 @given(st.binary(max_size=200) | st.dictionaries(st.just("r1"), st.lists(st.binary(max_size=50))).map(msgpack.packb))
 def test_any_bytes_are_a_refusal(raw):
     """Nothing that is on the mesh can do more harm than that."""
-    assert OrderGuard("r1", KNOWN).objection(0.0, "mode", b"shadow", raw) == ANSWERS_NONE
+    assert OrderGuard("r1", lambda: KNOWN).objection(0.0, "mode", b"shadow", raw) == ANSWERS_NONE
 
 
 @pytest.mark.parametrize("text", ["", "too short", "x" * 5000, "with a\nline in it here"])

@@ -171,6 +171,21 @@ def test_a_wrong_token_is_refused_and_a_bad_one_not_even_sent(sworn, tmp_path, c
     assert "nowhere: cannot be read" in capsys.readouterr().err
 
 
+@pytest.mark.full
+def test_a_token_file_that_is_replaced_holds_at_once(sworn, capsys):
+    """Nothing said that the one before was in force still, for whoever knows it."""
+    r1, r2, file, _ = sworn
+    before, order = file.with_name("before"), ["mode", "shadow", "--fleet", "--connect", r1.endpoint, "--token-file"]
+    before.write_text(KNOWN)
+    file.write_text("a token of that team")
+    other = "the order was given with another token"
+    assert main([*order, str(before)]) == exit_codes.FAILED
+    assert capsys.readouterr() == ("r2: mode shadow\n", f"r1: {other}\n")
+    assert main([*order, str(file)]) == exit_codes.FAILED
+    assert capsys.readouterr() == ("r1: mode shadow\n", f"r2: {other}\n")
+    assert modes(r1, r2) == ["shadow", "shadow"]
+
+
 @pytest.fixture
 def guarded(start, tmp_path):
     """Three robots with passwords, as in the manual; r1 obeys, and it and the operator have its access control."""
