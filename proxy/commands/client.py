@@ -18,6 +18,7 @@ from proxy.bridge import keys
 from proxy.bridge.control import LIVE
 from proxy.bridge.fleet import CHALLENGE, Outcome, challenges, read_outcomes
 from proxy.bridge.tuning import TUNING
+from proxy.commands.credentials import Credentials, of_environment
 from proxy.config_values import endpoint, robot_name
 from proxy.errors import ProxyError
 from proxy.fleet_token import proofs, read_token, token_of
@@ -281,9 +282,15 @@ def _status(answer: str) -> dict[str, object]:
 
 
 @contextmanager
-def connected(where: str) -> Iterator[Client]:
-    """Connect to the daemon at `where`. Raises NoAnswerError."""
+def connected(where: str, own: Credentials | None = None) -> Iterator[Client]:
+    """Connect to the daemon at `where`, with the credentials of applications unless there are `own`.
+
+    Raises NoAnswerError.
+    """
+    credentials, wrong = of_environment() if own is None else (own, "")
     config = zenoh.Config()
+    for key, text in credentials.items():
+        config.insert_json5(key, text)
     for key, value in {
         "mode": "client",
         "connect/endpoints": [where],
@@ -295,6 +302,7 @@ def connected(where: str) -> Iterator[Client]:
         session = zenoh.open(config)
     except zenoh.ZError:
         # Zenoh's own text is the trace of an internal error.
-        raise NoAnswerError(f"no daemon answers at {where}; is `sendworthy run` running?") from None
+        running = f"no daemon answers at {where}; is `sendworthy run` running?"
+        raise NoAnswerError(f"{running} ({wrong})" if wrong else running) from None
     with session:
         yield Client(session, where)

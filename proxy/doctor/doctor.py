@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 
 from proxy.bridge.loopback import has_ipv6, present
 from proxy.commands.client import DAEMON, NoAnswerError, connected
+from proxy.commands.credentials import Credentials, of_options
 from proxy.config import Config
 from proxy.config_loading import Layered
 from proxy.doctor.files import recordings, specs
@@ -30,7 +31,7 @@ def examine(read: Callable[[], Layered], where: str | None) -> Iterator[Finding]
         yield from alone(status) if isinstance(status, str) else team(status, None)
         return
     config = layered.config
-    status = _asked(where or _endpoint(config), config.robot)
+    status = _asked(where or _endpoint(config), config.robot, of_options(config.app.zenoh))
     yield from _configuration(layered)
     yield from _host(config, None if isinstance(status, str) else status)
     if isinstance(status, str):
@@ -63,10 +64,13 @@ def _configuration(layered: Layered) -> Iterator[Finding]:
         yield fine("configuration", f"right ({read}; sendworthy config prints it)")
 
 
-def _asked(where: str, robot: str | None) -> Status | str:
-    """Return the status of the daemon at an endpoint, of several that of `robot`; or why there is none."""
+def _asked(where: str, robot: str | None, own: Credentials | None = None) -> Status | str:
+    """Return the status of the daemon at an endpoint, of several that of `robot`; or why there is none.
+
+    With its `own` credentials, as far as they are known.
+    """
     try:
-        with connected(where) as client:
+        with connected(where, own or None) as client:
             answers = client.status(None)
     except NoAnswerError as error:
         return str(error)
