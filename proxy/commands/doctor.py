@@ -9,9 +9,9 @@ from proxy.commands.config_flags import LAYERS, add_config_flags, reader
 
 DESCRIPTION = f"""\
 Looks at this robot, with its daemon or without: the configuration, the ports, the interface of the radio, multicast
-on it, the power save of Wi-Fi, the clock, the specs, room for recordings; with the daemon also at its warnings,
-applications around it, and the versions and limits of the other robots. Says in one line each what is, and where it is
-not fine what to do. Nothing is changed, and the messages that try multicast do not leave this host.
+on it, the power save of Wi-Fi, the clock, certificates, the specs, room for recordings; with the daemon also at its
+warnings, applications around it, and the versions and limits of the other robots. Says in one line each what is, and
+where it is not fine what to do. Nothing is changed, and the messages that try multicast do not leave this host.
 
 {LAYERS}"""
 EXAMPLES = """\

@@ -7,6 +7,7 @@ from proxy.commands.client import DAEMON, NoAnswerError, connected
 from proxy.commands.credentials import Credentials, of_options
 from proxy.config import Config
 from proxy.config_loading import Layered
+from proxy.doctor.certificates import certificates
 from proxy.doctor.files import recordings, specs
 from proxy.doctor.finding import Finding, finding, fine, mistake, unknown
 from proxy.doctor.ports import ports
@@ -49,6 +50,7 @@ def _host(config: Config, status: Status | None) -> Iterator[Finding]:
     yield from ports((*listen, *metrics), ours)
     yield from radio(config.mesh, running=status is not None)
     yield from wall_clock(config)
+    yield from certificates(config)
     yield from specs(config.specs.path)
     yield from recordings(config.record, config.robot)
 
