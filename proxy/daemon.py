@@ -284,6 +284,7 @@ class Daemon:
                 self.robot,
                 lambda mode: loop.ask(partial(self._ordered, mode), TUNING.core_wait),
                 self.reloading,
+                guarded=sworn or bool(self._config.mesh.zenoh.get("access_control", {}).get("enabled")),
             ),
             members=lambda: loop.ask(lambda: [peer.name for peer in core.view.peers.values()], TUNING.core_wait),
             guard=OrderGuard(self.robot, lambda: self._config.fleet.secret) if sworn else None,

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import partial
 
 from proxy.bridge.fleet import Obey, Outcome
@@ -11,17 +12,25 @@ from proxy.errors import PushError
 from proxy.pushed import Folder, unpack
 from proxy.reloading import Reloading, unjudged
 from utility_specs import SpecsError
+from utility_specs.imports import nothing_imported
 
 log = logging.getLogger(__name__)
 
+FROM_ANYBODY = (
+    "specs that whoever is on the mesh may push run no Python here: set fleet.token or access control, or copy them to "
+    "the robot"
+)
 
-def orders(config: FleetConfig, robot: str, switch: Callable[[Mode], None], reloading: Reloading) -> dict[str, Obey]:
-    """Return what obeys each order that is allowed."""
+
+def orders(
+    config: FleetConfig, robot: str, switch: Callable[[Mode], None], reloading: Reloading, *, guarded: bool
+) -> dict[str, Obey]:
+    """Return what obeys each order that is allowed; `guarded`: they come from operators alone."""
     obeyed: dict[str, Obey] = {}
     if config.mode:
         obeyed["mode"] = partial(switched, robot, switch)
     if config.specs:
-        obeyed["specs"] = partial(replaced, robot, reloading)
+        obeyed["specs"] = partial(replaced, robot, reloading, python=guarded)
     return obeyed
 
 
@@ -35,12 +44,16 @@ def switched(robot: str, switch: Callable[[Mode], None], raw: bytes) -> Outcome:
     return Outcome(robot, obeyed=True, said=(f"mode {mode.value}",))
 
 
-def replaced(robot: str, reloading: Reloading, raw: bytes) -> Outcome:
-    """Put the specs that were pushed in the place of ours and in force; what was there stays if anything is wrong."""
+def replaced(robot: str, reloading: Reloading, raw: bytes, *, python: bool) -> Outcome:
+    """Put the specs that were pushed in the place of ours and in force; what was there stays if anything is wrong.
+
+    The `python` that they name runs with all that this daemon may do: only where that is wanted.
+    """
     folder = Folder(reloading.loaded.config.specs.path)
     try:
         files = unpack(raw)
-        folder.put(files)
+        with nullcontext() if python else nothing_imported(FROM_ANYBODY):
+            folder.put(files)
     except (PushError, SpecsError) as error:
         return _refused(robot, tuple(str(error).splitlines()))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever comes, a daemon goes on as before

@@ -4,7 +4,7 @@ import pytest
 
 from proxy.config import Config, FleetConfig
 from proxy.core.model.mode import Mode
-from proxy.orders import orders
+from proxy.orders import FROM_ANYBODY, orders
 from proxy.pushed import pack
 from proxy.reloading import Loaded, Reloading, read_specs
 from tests.proxy.test_pushed import GOOD, OTHER, contents
@@ -13,14 +13,14 @@ from tests.proxy.test_pushed import GOOD, OTHER, contents
 class Robot:
     """Its files, and what was put in force of them. `config` is what it reads as its configuration."""
 
-    def __init__(self, folder, fleet):
+    def __init__(self, folder, fleet, *, guarded=True):
         self.folder = folder
         self.config = Config(robot="r1", fleet=fleet)
         self.config = self.config.model_copy(update={"specs": self.config.specs.model_copy(update={"path": folder})})
         self.modes = []
         loaded = Loaded(self.config, read_specs(folder))
         self.reloading = Reloading(loaded, None, lambda: self.config, lambda *_: None)
-        self.obeyed = orders(fleet, "r1", self.modes.append, self.reloading)
+        self.obeyed = orders(fleet, "r1", self.modes.append, self.reloading, guarded=guarded)
 
 
 @pytest.fixture
@@ -51,6 +51,22 @@ def test_no_mode_is_refused(robot, raw):
     outcome = robot.obeyed["mode"](raw)
     assert (outcome.obeyed, outcome.said) == (False, ("a mode is one of pass, shadow, enforce",))
     assert not robot.modes
+
+
+PYTHON = GOOD + b'features.x = { kind = "python", function = "operator:contains" }\n'
+
+
+def test_python_runs_only_for_operators(robot):
+    """A function of a library that takes two values is enough to have a robot run anything."""
+    anybody = Robot(robot.folder, FleetConfig(specs=True), guarded=False)
+    outcome = anybody.obeyed["specs"](pack({"new.toml": PYTHON}))
+    assert not outcome.obeyed
+    (said,) = outcome.said
+    assert said.startswith("new.toml:")
+    assert said.endswith(f'"operator:contains" is not imported: {FROM_ANYBODY}')
+    assert contents(robot.folder) == {"old.toml": GOOD}
+    assert anybody.obeyed["specs"](pack({"new.toml": OTHER})).obeyed
+    assert robot.obeyed["specs"](pack({"new.toml": PYTHON})).obeyed
 
 
 def test_specs_are_put_in_force(robot):

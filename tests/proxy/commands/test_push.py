@@ -10,6 +10,7 @@ from proxy import exit_codes
 from proxy.bridge.fleet import Outcome, read_outcomes
 from proxy.cli import main
 from proxy.fleet_token import MISSING
+from proxy.orders import FROM_ANYBODY
 from tests.daemons import ROOT, specs_file
 from tests.ports import free_port
 from tests.proxy.nodes import Heard, answers, closing, plain_session
@@ -184,6 +185,20 @@ def test_a_token_file_that_is_replaced_holds_at_once(sworn, capsys):
     assert main([*order, str(file)]) == exit_codes.FAILED
     assert capsys.readouterr() == ("r1: mode shadow\n", f"r2: {other}\n")
     assert modes(r1, r2) == ["shadow", "shadow"]
+
+
+@pytest.mark.parametrize("token", ["", KNOWN])
+def test_python_runs_for_who_knows_the_token_alone(start, tmp_path, capsys, monkeypatch, token):
+    """Without one whoever is on the mesh could have robots run anything by specs."""
+    specs = specs_file(tmp_path)
+    specs.write_text(f'{specs.read_text()}features.x = {{ kind = "python", function = "operator:contains" }}\n')
+    monkeypatch.setenv("SENDWORTHY_FLEET__TOKEN", token)
+    robot = start("--robot", "r1", "--specs.path", str(tmp_path / "specs.d"), "--fleet.specs", "true")
+    robot.wait_for("sendworthy ")
+    obeyed = main(["push", str(specs), "--connect", robot.endpoint]) == exit_codes.OK
+    assert obeyed == bool(token)
+    assert (FROM_ANYBODY in capsys.readouterr().err) == (not token)
+    assert (tmp_path / "specs.d").exists() == bool(token)
 
 
 @pytest.fixture
