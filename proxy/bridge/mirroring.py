@@ -15,6 +15,7 @@ from proxy.bridge.delivery import Delivery
 from proxy.bridge.demand import Demand
 from proxy.bridge.fence import Fence
 from proxy.bridge.ingress import Ingress
+from proxy.bridge.keys import INGRESS
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
@@ -217,7 +218,9 @@ class Mirroring:
         wanted = self._apps.foreign_subscribers(self._ingress.declared, now)
         asked = self._deliver(self._rules.into.crossing("subscribers", wanted))
         wanted = self._others.foreign_subscribers(self._delivery.declared, now)
-        taken = self._ingress.update(self._rules.out.crossing("subscribers", {**wanted, **self._retained_now}))
+        observed = {*self._rules.out.crossing("subscribers", {**wanted, **self._retained_now})}
+        # Who subscribes without end keeps nobody from what applications publish: then all of it is taken in.
+        taken = self._ingress.update(observed.union(INGRESS) if self._rules.out.surplus["subscribers"] else observed)
         # What we subscribe to ourselves from now on needs its witnesses: at once, for it may be told already.
         self._stirred = asked or taken
         if taken:

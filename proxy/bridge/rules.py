@@ -108,7 +108,7 @@ class Direction:
         self._withheld = dict.fromkeys(BOUNDS.crossing, 0)
         self._crossing: dict[str, dict[str, bool]] = {what: {} for what in BOUNDS.crossing}
         self.surplus = dict.fromkeys(BOUNDS.crossing, 0)
-        """How many declarations wait until others of their kind are gone."""
+        """How many declarations are not mirrored until others of their kind are gone."""
         self._said: dict[str, float] = {}
 
     def count(self, what: str) -> None:
@@ -148,7 +148,7 @@ class Direction:
         now = clock.monotonic()
         if self.surplus[what] and now - self._said.get(what, -BOUNDS.warnings_apart) >= BOUNDS.warnings_apart:
             self._said[what] = now
-            log.warning("%d %s too many are declared: they wait until others are gone", self.surplus[what], what)
+            log.warning("%d %s too many are declared: `sendworthy status` says of whom", self.surplus[what], what)
 
     def describe(self) -> dict[str, int]:
         """How many samples, queries and replies were denied so far, and how many declarations are not shown now."""
@@ -196,11 +196,18 @@ class Rules:
         """Name what is too much to be mirrored. Subscribers are declared where samples go, all else where it is."""
         return [
             f"{'other nodes' if others is (what == 'subscribers') else 'applications of this robot'} declared too many "
-            f"{what}: {count} have no effect until others are gone"
+            f"{what}: {_effect(count, taken_in=others and what == 'subscribers')}"
             for others, direction in ((True, self.out), (False, self.into))
             for what, count in direction.surplus.items()
             if count
         ]
+
+
+def _effect(count: int, *, taken_in: bool) -> str:
+    """Say what comes of it that so many are too many."""
+    if taken_in:
+        return f"for {count} of them all that applications publish is taken in"
+    return f"{count} have no effect until others are gone"
 
 
 def _token_rule(direction: Direction, other: Direction) -> Callable[[str], bool]:

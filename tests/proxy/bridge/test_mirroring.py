@@ -2,16 +2,18 @@
 
 import itertools
 import threading
+from dataclasses import replace
 
 import pytest
 import zenoh
 import zenoh.ext
 
+from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.keys import INGRESS
 from proxy.core.interface.events import InterestChanged, MatchingChanged, SamplesPassed
 from tests.proxy.bridge.declarations.test_wire import frame
 from tests.proxy.bridge.robots import fence, observes, wait_interest
-from tests.proxy.nodes import Heard, answers, pass_fence, wait_matching
+from tests.proxy.nodes import Heard, answers, closing, pass_fence, plain_session, wait_matching
 from tests.waiting import wait_until
 
 
@@ -428,6 +430,23 @@ def test_news_that_comes_as_a_wait_ends_is_not_forgotten(pair, monkeypatch):
 
     monkeypatch.setattr(news, "wait", ends_late)
     wait_until(lambda: observes(pair[0], "late"), what="the subscription")
+
+
+def test_who_subscribes_without_end_keeps_nobody_from_what_apps_publish(pair, stack, monkeypatch):
+    """Where there are too many subscribers everything is taken from the apps, until there are fewer."""
+    monkeypatch.setattr("proxy.bridge.rules.BOUNDS", replace(BOUNDS, crossing={**BOUNDS.crossing, "subscribers": 3}))
+    stranger = closing(stack, plain_session("peer", connect=(pair[0].mesh_endpoint,)))
+    junk = [stranger.declare_subscriber(f"junk/{number}", lambda _: None) for number in range(4)]
+    bridge = pair[0].bridge
+    wait_until(lambda: set(INGRESS) <= set(bridge.describe()["observed"]), what="the blanket")
+    heard = Heard(pair[1].node(), "honest")
+    wait_until(lambda: "honest" in pair[1].bridge.describe()["subscriptions"], what="the subscription")
+    fence(pair[1], pair[0])
+    pair[0].node().put("honest", "x")
+    wait_until(lambda: heard.samples, what="the sample")
+    for each in junk:
+        each.undeclare()
+    wait_until(lambda: bridge.describe()["observed"] == ["honest"], what="what is wanted alone")
 
 
 def test_what_is_to_be_retained_is_taken_though_nobody_is_there(pair):
