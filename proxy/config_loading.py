@@ -58,6 +58,7 @@ def load_layered(path: Path | None, environ: Mapping[str, str], overrides: Mappi
     for override in [*variables(environ), *flags(overrides)]:
         _apply(override, layers, problems)
     outdated = tuple(_brought_up_to_date(layers, problems))
+    _place_files_of_zenoh(files.folder, layers)
     config = _validated(layers.values, problems, outdated)
     _check_zenoh(layers.values, problems)
     specs = _specs_path(files.folder, layers, problems)
@@ -147,6 +148,18 @@ def _check_zenoh(values: Mapping[str, Any], problems: _Problems) -> None:
 
         for inner, message in zenoh_problems(table):
             problems.at((*path, *inner), message)
+
+
+def _place_files_of_zenoh(folder: Path, layers: Layers) -> None:
+    """Resolve the paths of certificates and the like that files name, as all others in them."""
+    for path, table in _zenoh_tables(layers.values):
+        from proxy.config_zenoh import with_places  # noqa: PLC0415 - few configurations need it
+
+        def beside(inner: tuple[str, ...], path: tuple[str, ...] = path) -> bool:
+            return layers.origin((*path, *inner)) is None
+
+        section = layers.values[path[0]] | {path[-1]: with_places(table, folder, beside)}
+        layers.values = layers.values | {path[0]: section}
 
 
 def _zenoh_tables(values: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], Mapping[str, Any]]]:

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,18 @@ def zenoh_problems(table: Mapping[str, Any], path: ZenohPath = ()) -> Iterator[t
             continue
         within = list(zenoh_problems(value, here)) if isinstance(value, Mapping) and _knows(here) else []
         yield from within or [(here, refusal)]
+
+
+def with_places(table: Mapping[str, Any], folder: Path, beside: Callable[[ZenohPath], bool]) -> dict[str, Any]:
+    """Return a part of a Zenoh configuration with the paths of files in a folder that are `beside` it."""
+    return {key: _placed(value, (key,), folder, beside) for key, value in table.items()}
+
+
+def _placed(value: Any, path: ZenohPath, folder: Path, beside: Callable[[ZenohPath], bool]) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _placed(inner, (*path, key), folder, beside) for key, inner in value.items()}
+    named = isinstance(value, str) and value and path[-1].endswith(_FILES)
+    return str(folder / value) if named and value == without_secrets(value) and beside(path) else value
 
 
 def _missing_files(path: ZenohPath, value: Any) -> Iterator[tuple[ZenohPath, str]]:

@@ -377,6 +377,30 @@ def test_paths_are_relative_to_the_main_file_in_whichever_they_stand(load, tmp_p
     assert (config.specs.path, config.record.folder) == (tmp_path / "mine", tmp_path / "drive")
 
 
+def test_paths_in_tables_of_zenoh_are_relative_to_the_main_file_too(load, tmp_path, monkeypatch):
+    """Certificates, keys and dictionaries; what a flag names is meant from where one is."""
+    (tmp_path / "tls").mkdir()
+    for name in ("ca.pem", "r1.pem", "r1.key", "users"):
+        (tmp_path / "tls" / name).touch()
+    (tmp_path / "conf.d").mkdir()
+    (tmp_path / "conf.d" / "tls.toml").write_text(
+        '[mesh.zenoh.transport.link.tls]\nroot_ca_certificate = "tls/ca.pem"\nlisten_certificate = "tls/gone.pem"\n'
+        '[app.zenoh.transport.auth.usrpwd]\nuser = "tls/ca.pem"\ndictionary_file = "tls/users"'
+    )
+    (tmp_path / "tls" / "here").mkdir()
+    (tmp_path / "tls" / "here" / "r1.pem").touch()
+    monkeypatch.chdir(tmp_path / "tls")
+    config = load("", {}, {"mesh.zenoh.transport.link.tls.listen_certificate": "here/r1.pem"})
+    tls = {"root_ca_certificate": str(tmp_path / "tls" / "ca.pem"), "listen_certificate": "here/r1.pem"}
+    assert config.mesh.zenoh == {"transport": {"link": {"tls": tls}}}
+    users = {"user": "tls/ca.pem", "dictionary_file": str(tmp_path / "tls" / "users")}
+    assert config.app.zenoh == {"transport": {"auth": {"usrpwd": users}}}
+    with pytest.raises(ConfigError) as refused:
+        load("")
+    key = "mesh.zenoh.transport.link.tls.listen_certificate"
+    assert refused.value.problems == (f"{tmp_path}/conf.d/tls.toml:3: {key}: {tmp_path}/tls/gone.pem does not exist",)
+
+
 def test_a_flag_mends_a_mistake_of_the_file(load):
     """What a higher layer replaces is not looked at."""
     assert load('mode = "bad"', {}, {"mode": "pass"}).mode is Mode.PASS
