@@ -12,7 +12,7 @@ from typing import Any
 
 from proxy import clock
 from proxy.bridge.payloads import Content
-from proxy.core.interface.events import Event, SamplePublished, SpecsChanged
+from proxy.core.interface.events import ClockChanged, Event, SamplePublished, SpecsChanged
 from proxy.heap import give_back
 from proxy.recording.entries import Payload, Snapshot, SpecFile, SpecsText, Start
 from proxy.recording.folder import RecordingFolder
@@ -26,6 +26,10 @@ log = logging.getLogger(__name__)
 
 Taken = tuple[int, Event, Sequence[Any], str, Content | None]
 """An event that the core took in: its number, itself, the commands that followed, the fault, the payload."""
+
+
+_SPECIAL = frozenset((SpecsChanged, ClockChanged))
+"""Events with which more begins than a line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +102,8 @@ class Output:
         number, event, commands, fault, payload = item
         writer = self._writer
         self._number, self._now = number + 1, event.now
+        if type(event) is ClockChanged:
+            self._start = replace(self._start, wall_offset=event.wall_offset)
         if writer is None or self._missing:
             self._specs = event.specs if isinstance(event, SpecsChanged) else self._specs
             self._missing.event(number, event)
@@ -124,7 +130,7 @@ class Output:
         if writer is None or self._missing or set(map(type, items)) != {tuple}:
             return False
         numbers, events, followed, faults, payloads = zip(*items, strict=True)
-        if any(faults) or payloads.count(None) < len(items) or SpecsChanged in set(map(type, events)):
+        if any(faults) or payloads.count(None) < len(items) or not _SPECIAL.isdisjoint(map(type, events)):
             return False
         self._in_hand.all_events(numbers[0], events)
         self._number, self._now = numbers[-1] + 1, events[-1].now
@@ -189,8 +195,13 @@ class Output:
 
     @property
     def _full(self) -> bool:
+        """Whether another file is to begin, also as the wall clock was set, by which all times in a file are."""
         writer = self._writer
-        return writer is not None and (writer.size >= self._full_at or len(writer.channels) >= TUNING.channels)
+        return writer is not None and (
+            writer.size >= self._full_at
+            or len(writer.channels) >= TUNING.channels
+            or abs(self._start.wall_offset - writer.offset) > TUNING.step
+        )
 
     def _end(self, reason: str) -> None:
         """Close the file; where there is no room for its end it does without."""

@@ -34,6 +34,8 @@ class RecordingTuning:
     reserve: int = 512 * 1024
     """A file is full when it lacks so much of what it may take [B]: two chunks, for that is seen once one is written,
     and what is in hand then, up to where the core can be asked for what it knows, still goes there."""
+    step: float = 1.0
+    """Another file begins where the wall clock was set by more [s]: what corrects a clock that runs is less."""
     channels: int = 50_000
     """A file with so many keys of payloads is full: MCAP numbers 65,535, and events that wait may be of others."""
     snapshot: int = 32 * 1024 * 1024

@@ -45,7 +45,8 @@ class RecordingWriter:
 
     def __init__(self, path: Path, start: Start) -> None:
         self.file = McapFile(path, PROFILE, f"sendworthy {start.version}".rstrip())
-        self._offset = start.wall_offset
+        self.offset = start.wall_offset
+        """What the wall clock shows more than the clock of its times [s]."""
         self.channels: dict[str, int] = {}
         """The channel of each kind of entry, and of each key of payloads."""
         self._events: dict[type[Event], int] = {}
@@ -94,7 +95,7 @@ class RecordingWriter:
                 self.happened(event, commands)
             return
         channels = [self._events.get(type(event)) or self._event_channel(type(event)) for event in events]
-        offset = self._offset
+        offset = self.offset
         times = [max(0, int((event.now + offset) * 1e9)) for event in events]
         self.file.add_all(channels, self.number, times, found)
         self.number += len(events)
@@ -166,7 +167,7 @@ class RecordingWriter:
 
     def _nanoseconds(self, now: float) -> int:
         """Return the wall time of a time in the recording [ns]."""
-        return max(0, int((now + self._offset) * 1e9))
+        return max(0, int((now + self.offset) * 1e9))
 
 
 def _told(event: Event, commands: Sequence[Command | dict[str, Any]], fault: str) -> dict[str, Any]:

@@ -3,10 +3,10 @@
 import heapq
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from proxy.core.interface.events import DecisionReady, SamplePublished, SamplesPassed
+from proxy.core.interface.events import ClockChanged, DecisionReady, SamplePublished, SamplesPassed
 from proxy.recording.entries import Entry, Happened, Payload, SpecsText, Start, Traffic
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
@@ -35,11 +35,30 @@ class Survey:
         return max(0.0, self.last - self.first)
 
 
+@dataclass(slots=True)
+class _Life:
+    """A robot's life: its first and its last sample on its own clock, and what its wall clock showed more last [s]."""
+
+    first: float = float("inf")
+    last: float = -float("inf")
+    offset: float = 0.0
+    _at: float = -float("inf")
+
+    def shown(self, now: float, offset: float) -> None:
+        """The wall clock showed so much more at `now`."""
+        if now >= self._at:
+            self._at, self.offset = now, offset
+
+
 class Recordings:
-    """Some files, read as one recording."""
+    """Some files, read as one recording; `survey` comes first.
+
+    All times of a robot's life are on its wall clock as that was last: one that boots without a clock is right later.
+    """
 
     def __init__(self, files: Sequence[RecordingReader]) -> None:
         self._files = tuple(files)
+        self._lives: dict[tuple[str, str], _Life] = {}
 
     def survey(self) -> Survey:
         """Look at everything once. Raises ReplayError where nothing was published."""
@@ -49,6 +68,8 @@ class Recordings:
             found.problems += file.problems
         if not found.samples:
             raise ReplayError(f"{', '.join(str(file.path) for file in self._files)}: no sample was published in it")
+        found.first = min(life.first + life.offset for life in self._lives.values())
+        found.last = max(life.last + life.offset for life in self._lives.values())
         return found
 
     def told(self, robots: Collection[str]) -> Iterator[Told]:
@@ -56,32 +77,46 @@ class Recordings:
         readers = (self._timed(file, robots) for file in self._files)
         return (told for _, told in heapq.merge(*readers, key=lambda each: each[0]))
 
+    def _life(self, file: RecordingReader) -> "_Life":
+        return self._lives.setdefault(_whose(file), _Life())
+
     def _look(self, found: Survey, reader: RecordingReader) -> None:
+        life, unset = self._life(reader), replace(reader.start, wall_offset=0.0)
+        life.shown(reader.start.now, reader.start.wall_offset)
         for entry in reader:
             if isinstance(entry, SpecsText) and found.specs is None:
                 found.specs = entry
             if isinstance(entry, Happened) and isinstance(entry.event, SamplePublished):
                 found.superseded += entry.event.superseded
             if isinstance(entry, Happened):
+                if isinstance(entry.event, ClockChanged):
+                    life.shown(entry.event.now, entry.event.wall_offset)
                 for command in entry.commands:
                     found.borne.note(reader.start.robot, entry.event.now, command)
-            for told in _told(reader.start, entry, None):
+            for told in _told(unset, entry, None):
                 if isinstance(told, Sample):
                     found.samples[told.robot] += 1
-                    found.first, found.last = min(found.first, told.t), max(found.last, told.t)
+                    life.first, life.last = min(life.first, told.t), max(life.last, told.t)
 
     def _timed(self, file: RecordingReader, robots: Collection[str]) -> Iterator[tuple[float, Told]]:
         """Yield what a file tells, each with a time that never goes back."""
         last, payload = -float("inf"), None
+        start = replace(file.start, wall_offset=self._life(file).offset)
         for entry in file:
             if isinstance(entry, Payload):
                 payload = entry
                 continue
-            for told in _told(file.start, entry, payload):
+            for told in _told(start, entry, payload):
                 if told.robot in robots:
                     last = max(last, told.t)
                     yield last, told
             payload = None
+
+
+def _whose(file: RecordingReader) -> tuple[str, str]:
+    """Return what tells lives from each other: robot and session; of mere traffic each file has a clock of its own."""
+    start = file.start
+    return (start.robot, start.zid) if start.kind == "robot" else ("", str(file.path))
 
 
 def opened(paths: Sequence[Path]) -> tuple[list[RecordingReader], list[str]]:

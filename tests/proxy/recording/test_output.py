@@ -107,6 +107,22 @@ def test_large_files_are_followed_by_others(output, tmp_path):
     assert due == 3000
 
 
+def test_another_file_begins_when_the_wall_clock_was_set(output, tmp_path):
+    """As of a robot that boots without one: times are right from there on. A correction of milliseconds is none."""
+    output.given, right = 0, START.wall_offset + 1e8
+    for number, offset in enumerate((START.wall_offset + 5e-3, right, right + 5e-3)):
+        output.add((2 * number, ev.ClockChanged(1.0 + number, offset), (), "", None))
+        output.flush()
+        headed(output, 2 * number + 1)
+        add(output, [2 * number + 1])
+    output.close("stopped")
+    found = [entries(file)[0] for file in files(tmp_path)]
+    assert [(each[0].wall_offset, each[0].number) for each in found] == [(START.wall_offset, 0), (right, 3)]
+    with files(tmp_path)[1].open("rb") as file:
+        times = [message.log_time for *_, message in make_reader(file).iter_messages(topics="events/SamplePublished")]
+    assert times == [int((published(number).now + right) * 1e9) for number in (3, 5)]
+
+
 @pytest.mark.parametrize("size", [200, 20_000, 200_000])
 def test_the_least_bound_keeps_the_file_before(tmp_path, size):
     """All take twice what a file may, at most, and of a rotated recording there always is more than the last file."""

@@ -80,6 +80,30 @@ def test_a_robots_recording_tells_what_became_of_its_samples(tmp_path):
     assert passed == Passed("r1", wall + 3.5, 4, 400)
 
 
+def test_all_of_a_life_is_on_its_wall_clock_as_that_was_last(tmp_path):
+    """A robot that boots without a clock, and is told the time: its first samples are beside those of others."""
+    born = replace(START, wall_offset=0.0)
+    files = [
+        write(
+            tmp_path / "1.mcap",
+            born,
+            lambda w: w.happened(published(1, now=2.0)),
+            lambda w: w.happened(ev.ClockChanged(2.5, START.wall_offset)),
+        ),
+        write(
+            tmp_path / "2.mcap",
+            replace(START, now=2.5, number=2, whole=False),
+            lambda w: w.happened(published(2, now=3.0)),
+        ),
+        write(tmp_path / "3.mcap", replace(START, robot="r2", zid="z2"), lambda w: w.happened(published(1, now=2.8))),
+    ]
+    recordings, wall = Recordings([RecordingReader(file) for file in files]), START.wall_offset
+    found = recordings.survey()
+    assert (found.first, found.last) == (wall + 2.0, wall + 3.0)
+    told = [(each.robot, each.t) for each in recordings.told({"r1", "r2"})]
+    assert told == [("r1", wall + 2.0), ("r2", wall + 2.8), ("r1", wall + 3.0)]
+
+
 def test_what_cannot_be_replayed_is_told(tmp_path):
     """No recording, or nothing in it; one that is cut off is read as far as it goes."""
     (tmp_path / "no.mcap").write_bytes(b"x")
