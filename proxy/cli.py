@@ -101,8 +101,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare_output() -> None:
     """Have all that is printed go somewhere, in what can be shown there: names and keys may be of any script."""
-    if sys.stdout is None:  # who started us closed it
-        sys.stdout = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:  # who started us closed it, and a socket would take its place
+            os.open(os.devnull, os.O_RDWR)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
     if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="replace")
 

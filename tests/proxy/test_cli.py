@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 from unittest.mock import ANY
@@ -13,6 +14,9 @@ import pytest
 
 from proxy import cli, exit_codes
 from proxy.cli import main
+from proxy.commands.client import NoAnswerError, connected
+from tests.ports import free_port
+from tests.waiting import wait_until
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -265,6 +269,30 @@ def test_who_closed_the_output_gets_the_exit_code(tmp_path):
     command = ["sh", "-c", 'exec "$@" >&-', "sh", sys.executable, "-m", "proxy.cli", "check", str(tmp_path)]
     ended = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, timeout=30, check=False)
     assert (ended.returncode, ended.stderr) == (exit_codes.OK, "")
+
+
+def test_a_daemon_runs_though_who_started_it_closed_all_it_could_write_to():
+    """Its log goes nowhere, and no socket takes the place of that."""
+    flags = ("--app.listen", f'["{(endpoint := f"tcp/127.0.0.1:{free_port()}")}"]', "--mesh.listen", "[]")
+    command = ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", sys.executable, "-m", "proxy.cli", "run", *flags]
+    process = subprocess.Popen([*command, "--mesh.scouting", "false", "--robot", "r1"], cwd=ROOT)
+    try:
+        wait_until(
+            lambda: process.poll() is not None or answers(endpoint),
+            what="an answer of the daemon",
+        )
+        opened = {Path(f"/proc/{process.pid}/fd/{number}").readlink() for number in range(3)}
+        assert opened == {Path(os.devnull)}
+    finally:
+        process.terminate()
+    assert process.wait(30) == exit_codes.OK
+
+
+def answers(endpoint):
+    """Whether a daemon tells its status."""
+    with suppress(NoAnswerError), connected(endpoint) as client:
+        return bool(client.status(None))
+    return False
 
 
 def test_a_bad_configuration_is_named_with_file_line_and_key(tmp_path):
