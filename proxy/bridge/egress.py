@@ -180,7 +180,7 @@ class Egress:
         with self._lock:
             if not self._open:
                 return False
-            if len(self._passing) + len(self._decided) > TUNING.few_held:
+            if len(self._passing) + len(self._decided) > TUNING.few_held or held.shared:
                 held = held.apart
             if passes:
                 self._passing.append((number, held))

@@ -37,7 +37,7 @@ class Payloads:
         if not self._room.enter(held.size):
             return None
         number = next(self._numbers)
-        self._waiting[number] = held.apart if self._room.samples > TUNING.few_held else held
+        self._waiting[number] = held.apart if self._room.samples > TUNING.few_held or held.shared else held
         return number
 
     def holds(self, key: str) -> bool:

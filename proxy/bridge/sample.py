@@ -50,10 +50,15 @@ class Held(NamedTuple):
         return bool(self.sample.congestion_control != zenoh.CongestionControl.DROP)
 
     @property
+    def shared(self) -> bool:
+        """Whether it is in shared memory of its publisher, who lacks that as long as it is held."""
+        return self.sample.payload.as_shm() is not None
+
+    @property
     def apart(self) -> "Held":
         """The same, to be held for longer: a small sample takes all the memory that Zenoh received it in."""
         sample = self.sample
-        if self.size >= TUNING.small_sample or isinstance(sample, Parcel):
+        if isinstance(sample, Parcel) or (self.size >= TUNING.small_sample and not self.shared):
             return self
         attachment, encoding = sample.attachment, zenoh.Encoding(str(sample.encoding))
         return self._replace(

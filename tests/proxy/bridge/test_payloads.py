@@ -1,14 +1,18 @@
 """Samples wait for their decision, are kept for copies, or both; their payloads have one home."""
 
+import queue
 import subprocess
 import sys
 
 import pytest
 import zenoh
+from zenoh import shm
 
 from proxy.bridge.payloads import Payloads
 from proxy.bridge.room import Room
 from proxy.bridge.sample import Held, Parcel
+from tests.proxy.nodes import plain_session
+from tests.waiting import wait_until
 
 
 @pytest.fixture
@@ -59,6 +63,25 @@ def test_what_is_kept_stays_whatever_becomes_of_the_sample(payloads):
     payloads.forget(number)
     payloads.forget(number)
     assert payloads.copy(number, "ab12") is None
+
+
+def test_what_is_held_takes_no_shared_memory_of_its_publisher():
+    """Who publishes from a pool has that back at once, as beside a router: it was out of memory after twenty images."""
+    pool, payloads = shm.ShmProvider.default_backend(1 << 20), Payloads(Room(2, 1 << 20))
+    with plain_session("peer") as session:
+        came, buffer = queue.SimpleQueue(), pool.alloc(600_000)
+        session.declare_subscriber("p", zenoh.handlers.Callback(came.put, indirect=False))
+        buffer[:5] = b"image"
+        session.put("p", zenoh.ZBytes(buffer))
+        del buffer
+        sample = Held(came.get(timeout=10.0), None, "p", 600_000, None)
+        assert sample.shared
+        number = payloads.enter(sample)
+        del sample
+        payloads.keep(number)
+        wait_until(lambda: pool.garbage_collect() >= 600_000, 5.0, what="the memory back in the pool")
+    for held in (payloads.waiting(number), payloads.copy(number, "ab12")):
+        assert held.sample.payload.to_bytes()[:5] == b"image"
 
 
 RECEIVED = """
