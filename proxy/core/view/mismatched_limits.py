@@ -53,7 +53,9 @@ class MismatchedLimits:
         }
         for peer in peers.values():
             peer.take_part(plain=self._not_understood(now, peer))
-        apart = {name for name, since in self._since.items() if now - since > TUNING.agreement_time}
+        more = max(0, len(peers) - TUNING.telling_robots)
+        patience = TUNING.agreement_time + TUNING.telling_per_robot * more
+        apart = {name for name, since in self._since.items() if now - since > patience}
         before, self.found = self.found, frozenset(apart | {name for name, peer in peers.items() if peer.plain})
         self._early = frozenset(
             name

@@ -76,6 +76,10 @@ class ViewTuning:
     """A team of which somebody has been known for so long has begun: newcomers take part from the first word on [s]."""
     agreement_time: float = 5.0
     """Within this time a newcomer says something, and specs are changed on one robot after the other [s]."""
+    telling_robots: int = 20
+    """In a larger team it takes longer until all could tell that their specs have changed..."""
+    telling_per_robot: float = 1.5
+    """... by this for each robot more [s]: of thirty the last one had told after 12 s, of forty after 24."""
     agreement_per_robot: float = 0.05
     """A newcomer has this much more for each robot there is, for all of them have to be asked [s]."""
     understood_for: float = 300.0

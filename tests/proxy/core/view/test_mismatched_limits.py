@@ -89,6 +89,22 @@ def test_several_with_the_same_limits_are_named_in_one_line(talk):
     assert [notice.text for notice in talk.all(Notice) if notice.level == "error"] == [several, one]
 
 
+def test_a_large_team_has_longer_to_tell_that_its_specs_have_changed(talk):
+    """All pay for that out of one allowance: each of forty robots took some others for apart for 20 s."""
+    for number in range(2, 41):
+        name, zid = f"r{number}", f"yy{number:06}"
+        talk.tell(ev.PeerAppeared(0.0, name, zid))
+        talk.tell(ev.DigestHeard(0.1, Digest(name, zid, 0.1, state=1)))
+    has(talk, 1.0, ALIEN)
+    for now in range(2, 32):
+        talk.tell(ev.TimePassed(float(now)))
+        assert not warnings(talk, float(now))
+    assert apart(talk) == set()
+    talk.tell(ev.TimePassed(37.0))
+    assert warnings(talk, 37.0)
+    assert apart(talk) == {"zz-op"}
+
+
 def test_who_was_gone_for_a_moment_was_not_silent(talk):
     """Nobody has heard it since it is back, and nobody had to by then."""
     talk.tell(ev.TimePassed(1.0))
