@@ -1,6 +1,7 @@
 """The service under a booted systemd, with all that its unit takes from it: what is left is enough."""
 
 import json
+import re
 import signal
 import subprocess
 from contextlib import ExitStack, closing
@@ -65,10 +66,12 @@ def status(booted):
 
 
 def test_systemd_finds_little_exposed():
-    """As it counts what a unit may do."""
+    """As it counts what a unit may do, and as the manual says."""
     command = ("systemd-analyze", "security", "--offline=true", f"--threshold={EXPOSURE}", "--no-pager", str(SHIPPED))
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout[-200:]
+    level = re.search(r"Overall exposure level.*: (\d\.\d)", done.stdout)[1]
+    assert f"says {level} of 10" in (ROOT / "docs/guides/raspberry-pi.md").read_text()
 
 
 def test_the_service_does_all_it_does_elsewhere(booted, heard):
