@@ -2,7 +2,11 @@
 
 import json
 import os
+import re
+import stat
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import zenoh
@@ -39,6 +43,9 @@ PRIVATE = "sendworthy-private-"
 """Marks folders that are nobody's business but ours."""
 PLACE = "unixsock-stream//proc/self/fd/"
 """Marks endpoints in these."""
+
+GROUP_IN = stat.S_IRGRP | stat.S_IWGRP
+"""What members of its group need to connect to a socket."""
 
 _TCP = ("tcp/", "tls/")
 _BUFFERS = f"so_sndbuf={TUNING.socket_buffer};so_rcvbuf={TUNING.socket_buffer}"
@@ -155,6 +162,16 @@ def _protocols(endpoints: Sequence[str]) -> dict[str, list[str]]:
     """
     spoken = {endpoint.partition("/")[0] for endpoint in endpoints}
     return {"protocols": [*sorted(spoken), "unixsock-stream"]} if spoken and spoken <= set(SECURED) else {}
+
+
+def let_group_in(endpoints: Iterable[str]) -> None:
+    """Let the group of the daemon connect to sockets that are files: the unit's UMask= leaves them to its user."""
+    for endpoint in endpoints:
+        protocol, _, place = endpoint.partition("/")
+        if protocol == "unixsock-stream":
+            with suppress(OSError):
+                path = Path(re.split("[?#]", place)[0])
+                path.chmod(path.stat().st_mode | GROUP_IN)
 
 
 def bounded(endpoint: str) -> str:

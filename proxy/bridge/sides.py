@@ -12,7 +12,7 @@ from proxy.bridge.declarations.declarations import Declarations
 from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
 from proxy.bridge.loopback import has_ipv6, present
 from proxy.bridge.rediscovery import Rediscovery, opened
-from proxy.bridge.sessions import app_options, mesh_options, open_session
+from proxy.bridge.sessions import app_options, let_group_in, mesh_options, open_session
 from proxy.config import AppConfig, MeshConfig
 
 
@@ -48,6 +48,7 @@ def open_sides(app: AppConfig, mesh: MeshConfig, closing: ExitStack, farewell: f
     )
     closing.callback(app_session.close)
     closing.callback(time.sleep, farewell)
+    let_group_in(listen)
     options = mesh_options(
         mesh.listens,
         mesh.connect,

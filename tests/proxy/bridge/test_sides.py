@@ -1,5 +1,7 @@
 """All sessions of a daemon, opened and closed together."""
 
+import os
+import stat
 import tempfile
 from contextlib import ExitStack
 from dataclasses import replace
@@ -35,6 +37,18 @@ def test_the_private_listener_is_added_to_what_the_user_merges(stack):
     opened = open_sides(app, MeshConfig(listen=(free_endpoint(),), scouting=False), stack)
     closing(stack, plain_session("client", connect=(endpoint,)))
     assert str(opened.apps.session.zid()) in {str(zid) for zid in opened.app.info.routers_zid()}
+
+
+def test_applications_of_the_daemons_group_connect_to_a_socket_that_is_a_file(stack, tmp_path):
+    """Whatever the mask of the service: with that of the unit only its own user could. Others cannot."""
+    path = tmp_path / "zenoh.sock"
+    before = os.umask(0o077)
+    try:
+        app = AppConfig(listen=(f"unixsock-stream/{path}", free_endpoint()))
+        open_sides(app, MeshConfig(listen=(free_endpoint(),), scouting=False), stack)
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o760
 
 
 def test_beside_a_router_of_the_apps_everybody_is_known_for_as_long_as_he_is_there(stack):
