@@ -5,6 +5,8 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
+from proxy.recording.tuning import TUNING
+
 _FORBIDDEN = re.compile(r"[^\w.+-]")
 
 
@@ -17,10 +19,20 @@ class RecordingFolder:
     def __init__(self, path: Path, robot: str, disk: int, began: float) -> None:
         self.path = path.absolute()
         self._disk = disk
-        name = _FORBIDDEN.sub("_", robot)
-        self._stem = f"{name}-{datetime.fromtimestamp(began, UTC):%Y%m%dT%H%M%SZ}"
-        self._own = re.compile(rf"{re.escape(name)}-\d{{8}}T\d{{6}}Z-\d{{4,}}\.mcap")
+        self._name = _FORBIDDEN.sub("_", robot)
+        self._began = began
+        self._late = 0.0
+        """What the wall clock was set by that names do not tell [s]."""
+        self._own = re.compile(rf"{re.escape(self._name)}-\d{{8}}T\d{{6}}Z-\d{{4,}}\.mcap")
         self._number = 0
+        self._stems = {self._stem}
+
+    def set_clock(self, seconds: float) -> None:
+        """The wall clock was set by so much: by it the recording began then, as later files say [s]."""
+        self._late += seconds
+        if abs(self._late) > TUNING.step:
+            self._began, self._late = self._began + self._late, 0.0
+            self._stems.add(self._stem)
 
     def next(self, room: int) -> Path:
         """Return the path of the next file, which is new, with so much room for it [B]. Raises OSError."""
@@ -35,8 +47,8 @@ class RecordingFolder:
     def _make(self, room: int) -> None:
         """Remove the oldest files until there is so much room within the bound.
 
-        Names tell which are older, but files of this recording come last: a robot that boots without a clock names them
-        as the oldest of all.
+        Names tell which are older, but files of this recording come last, by their numbers: a robot that boots without
+        a clock names the first of them as the oldest of all.
         """
         sizes = dict[Path, int]()
         for path in self.path.iterdir():
@@ -52,5 +64,11 @@ class RecordingFolder:
 
     def _age(self, path: Path) -> tuple[bool, str, int, str]:
         """Return what sorts the files of the robot, the oldest first."""
-        recording, began, _ = path.name.rsplit("-", 2)
-        return f"{recording}-{began}" == self._stem, began, len(path.name), path.name
+        stem, _, number = path.stem.rpartition("-")
+        own = stem in self._stems
+        return own, "" if own else stem, int(number), path.name
+
+    @property
+    def _stem(self) -> str:
+        """What names begin with."""
+        return f"{self._name}-{datetime.fromtimestamp(self._began, UTC):%Y%m%dT%H%M%SZ}"

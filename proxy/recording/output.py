@@ -103,6 +103,7 @@ class Output:
         writer = self._writer
         self._number, self._now = number + 1, event.now
         if type(event) is ClockChanged:
+            self._folder.set_clock(event.wall_offset - self._start.wall_offset)
             self._start = replace(self._start, wall_offset=event.wall_offset)
         if writer is None or self._missing:
             self._specs = event.specs if isinstance(event, SpecsChanged) else self._specs

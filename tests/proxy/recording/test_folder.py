@@ -40,3 +40,27 @@ def test_files_of_this_recording_give_way_last(tmp_path):
     first.write_bytes(bytes(400))
     folder.next(400)
     assert (first.exists(), before.exists()) == (True, False)
+
+
+def test_files_after_the_clock_was_set_are_named_by_it(tmp_path):
+    """So the next recording knows how old they are; in this one numbers tell, wherever the clock was set to."""
+    before = tmp_path / "r1-20250101T000000Z-0001.mcap"
+    before.write_bytes(bytes(400))
+    folder = RecordingFolder(tmp_path, "r1", 1200, 0.0)
+    folder.set_clock(0.6)
+    first = folder.next(400)
+    first.write_bytes(bytes(400))
+    folder.set_clock(1767225600.0)
+    second = folder.next(400)
+    second.write_bytes(bytes(400))
+    folder.set_clock(-1e6)
+    third = folder.next(400)
+    third.write_bytes(bytes(400))
+    assert [path.name for path in (first, second, third)] == [
+        "r1-19700101T000000Z-0001.mcap",
+        "r1-20260101T000000Z-0002.mcap",
+        "r1-20251220T101320Z-0003.mcap",
+    ]
+    assert not before.exists()
+    folder.next(400)
+    assert sorted(tmp_path.iterdir()) == [third, second]
