@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from proxy.bridge.sessions import PLACE, PRIVATE, merged
+from proxy.errors import SessionError
 
 _LOCK = "lock"
+MEMORY = "/dev/shm"  # noqa: S108 - its folder there is nobody else's
+"""Where there is room as long as there is memory."""
 
 
 class PrivateEndpoint:
@@ -21,8 +24,8 @@ class PrivateEndpoint:
     """
 
     def __init__(self) -> None:
-        _sweep()
-        self._folder = Path(tempfile.mkdtemp(prefix=f"new-{PRIVATE}"))
+        self._folder = _made()
+        _sweep(self._folder.parent)
         self._lock = (self._folder / _LOCK).open("w")
         fcntl.flock(self._lock, fcntl.LOCK_EX)
         # Only now it has the name of those that are swept: nobody finds it unlocked while we live.
@@ -44,9 +47,25 @@ class PrivateEndpoint:
         self._lock.close()
 
 
-def _sweep() -> None:
+def _made() -> Path:
+    """Make a folder where one can be made. Raises SessionError."""
+    failed: OSError | None = None
+    for place in (None, *_others()):  # None: where temporary files go
+        try:
+            return Path(tempfile.mkdtemp(prefix=f"new-{PRIVATE}", dir=place))
+        except OSError as error:
+            failed = error
+    raise SessionError(f"no folder can be made for sockets: {failed}; let TMPDIR name a place with room") from failed
+
+
+def _others() -> tuple[str, ...]:
+    """Return where a folder may be made when the disk is full or may not be written to: in memory."""
+    return (*filter(None, os.environ.get("RUNTIME_DIRECTORY", "").split(":")), MEMORY)
+
+
+def _sweep(place: Path) -> None:
     """Remove the folders that nobody holds a lock in any more."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{PRIVATE}*"):
+    for folder in place.glob(f"{PRIVATE}*"):
         with suppress(OSError), (folder / _LOCK).open("r+") as lock:  # another user's, or gone meanwhile
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             shutil.rmtree(folder, ignore_errors=True)

@@ -11,6 +11,7 @@ import pytest
 
 from proxy.bridge.declarations.private_endpoint import PrivateEndpoint
 from proxy.bridge.sessions import zenoh_session
+from proxy.errors import SessionError
 from tests.proxy.nodes import closing
 
 HOLD = """
@@ -62,6 +63,31 @@ def test_what_is_not_ours_is_left_alone(places):
     alien.mkdir()
     PrivateEndpoint().close()
     assert list(places.iterdir()) == [alien]
+
+
+@pytest.mark.parametrize("given", [True, False], ids=["of the service", "in memory"])
+def test_where_the_disk_takes_no_folder_it_is_elsewhere(places, tmp_path, monkeypatch, given):
+    """A robot whose disk is full, or may not be written to, boots with its daemon all the same."""
+    monkeypatch.setattr(tempfile, "tempdir", str(places / "full"))
+    (folder := tmp_path / "run").mkdir()
+    if given:
+        monkeypatch.setenv("RUNTIME_DIRECTORY", str(folder))
+    else:
+        monkeypatch.delenv("RUNTIME_DIRECTORY", raising=False)
+        monkeypatch.setattr("proxy.bridge.declarations.private_endpoint.MEMORY", str(folder))
+    endpoint = PrivateEndpoint()
+    assert list(folder.iterdir()) == [endpoint.main.parent]
+    endpoint.close()
+    assert not list(folder.iterdir())
+
+
+def test_where_no_place_takes_a_folder_one_line_says_so(places, monkeypatch):
+    """And what to do."""
+    monkeypatch.setattr(tempfile, "tempdir", str(places / "full"))
+    monkeypatch.delenv("RUNTIME_DIRECTORY", raising=False)
+    monkeypatch.setattr("proxy.bridge.declarations.private_endpoint.MEMORY", str(places / "neither"))
+    with pytest.raises(SessionError, match=r"neither.*; let TMPDIR name a place with room$"):
+        PrivateEndpoint()
 
 
 def test_what_zenoh_announces_leads_there_from_this_process_alone(stack):
