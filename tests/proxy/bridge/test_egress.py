@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 import zenoh
+from zenoh import shm
 
 from proxy.bridge import egress as egress_module
 from proxy.bridge.demand import Demand
@@ -421,3 +422,11 @@ def test_of_many_that_wait_each_takes_its_own_memory(bench, monkeypatch):
     assert bench.egress.waiting == {"decided": 3, "passing": 0}
     waiting = [bench.egress._decided.take(float("inf")) for _ in range(3)]
     assert [isinstance(held.sample, Parcel) for _, held in waiting] == [False, False, True]
+
+
+def test_what_waits_takes_no_shared_memory_of_its_publisher(bench):
+    """Who publishes from a pool has that back, however long the mesh takes no more."""
+    buffer = shm.ShmProvider.default_backend(1 << 20).alloc(600_000)
+    bench.forward(0, bench.held(zenoh.ZBytes(buffer)))
+    _, waiting = bench.egress._decided.take(float("inf"))
+    assert (waiting.size, waiting.shared) == (600_000, False)
