@@ -132,7 +132,8 @@ def _counts(core: Parts) -> dict[str, Any]:
 def _budget(core: Parts, now: float) -> list[dict[str, Any]]:
     prices = core.gate.appraisal.last_prices(now)
     if prices is None:
-        prices = Glance(core.view, now).prices(core.budget.usable(now), alone=core.budget.alone)
+        budget = core.budget
+        prices = Glance(core.view, now).prices(budget.usable(now), alone=budget.alone, turns=budget.turns)
     adaptive = [k for k, limit in enumerate(core.budget.limits) if limit.least < 1.0]
     return [
         {

@@ -67,7 +67,7 @@ class Budget:
 
     def __init__(self, view: SharedView, coordination: Coordination) -> None:
         self._view = view
-        self._coordination, self.hollow = coordination, coordination.hollow
+        self.coordination, self.hollow = coordination, coordination.hollow
         self.limits: tuple[Limit, ...] = ()
         """The constraints in force for all robots together, adaptive ones as the channel bears them."""
         self._memory = 0.0
@@ -88,12 +88,12 @@ class Budget:
     @property
     def alone(self) -> bool:
         """Whether what may be used is our part, so that only our own streams compete for it."""
-        return (coordination := self._coordination).keeps > 0.0 or coordination.binds
+        return self.coordination.keeps > 0.0 or self.coordination.binds
 
     @property
-    def agreed(self) -> bool:
-        """Whether all robots plan the same for what others may just have sent."""
-        return self._coordination.team.agrees
+    def turns(self) -> bool:
+        """Whether messages that are larger than our part go by turns."""
+        return self.alone and (self.coordination.split_in_force is not None or self.coordination.equal.by_clock)
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
         """Put these constraints in force; what we sent still counts against those of the same name and kind."""
@@ -115,7 +115,7 @@ class Budget:
         limit = self.limits[k]
         if not limit.shared:
             return limit.limit
-        return max(TUNING.least_limit, limit.limit * self._coordination.part(now, k))
+        return max(TUNING.least_limit, limit.limit * self.coordination.part(now, k))
 
     def usable(self, now: float) -> tuple[Limit, ...]:
         """The constraints as they bind us now."""
@@ -137,7 +137,7 @@ class Budget:
         """
         wholes = [self.whole(now, k) for k in range(len(self.limits))]
         free = [self._room(now, k, amount) for k, amount in enumerate(use or wholes)]
-        part = self._coordination.meanwhile.confined
+        part = self.coordination.meanwhile.confined
         return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 
     def lacking(self, now: float, use: tuple[float, ...], total: tuple[float, ...] = ()) -> tuple[str, ...]:
@@ -154,7 +154,7 @@ class Budget:
 
     def certain(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a small message is within the part of what robots share that is left to us whatever others say."""
-        part = self._coordination.certain
+        part = self.coordination.certain
         if self.alone or part <= 0.0:
             return False
         shared = [k for k, limit in enumerate(self.limits) if limit.shared]
@@ -163,10 +163,10 @@ class Budget:
 
     def in_turn(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a message has room as it is our turn by the clock, which plans know nothing of: our part would do."""
-        if not self._coordination.equal.by_clock:
+        if not self.coordination.equal.by_clock:
             return False
         return any(
-            amount <= self.whole(now, k) and self._coordination.turn(now, k, limit, amount).began > -math.inf
+            amount <= self.whole(now, k) and self.coordination.turn(now, k, limit, amount).began > -math.inf
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
         )
 
@@ -178,7 +178,7 @@ class Budget:
         Or when our part grows that is too small for it: in `split` ten robots with equal messages reach 83 to 95 % of a
         central decider, and 82 to 93 where such a sample was dropped.
         """
-        needed, coordination = total or use, self._coordination
+        needed, coordination = total or use, self.coordination
         if coordination.equal.by_clock and (turn := _next_turn(self, coordination, now, needed)) > -math.inf:
             return turn if self.lacking(now, use, needed) else -math.inf
         longer = MARKET.closed
@@ -189,7 +189,7 @@ class Budget:
         others, usable = self.others(now), self.usable(now)
         if wanted is Room.IN_TURN and others:
             others = self._handover.in_turn(others, now - self._memory, self.limits)
-        limits = usable if self.alone else self.stretch.limits(now, usable, use)
+        limits = usable if self.turns else self.stretch.limits(now, usable, use, alone=self.alone)
         since = now - longest_window(limits) - MARKET.closed
         departures = self._openings[wanted].after(since, self.own, others, anybodys=wanted is not Room.OWN)
         opening = departures.opens(limits, needed)
@@ -202,7 +202,7 @@ class Budget:
         large = sample is not None and changes_plans(use, self.limits)
         self.own.note(now, use, sample if large else None, bulky=is_bulky(use, self.usable(now)))
         shared = [amount / limit.limit for amount, limit in zip(use, self.limits, strict=True) if limit.shared]
-        self._coordination.sent(now, shared)
+        self.coordination.sent(now, shared)
         self.own.forget(now - self._memory)
 
     def use_at_most(self, now: float, use: tuple[float, ...], part: float) -> None:
@@ -226,24 +226,33 @@ class Budget:
     def problem_limits(self, now: float) -> Limits:
         """Return the constraints of a problem, and what was sent that still counts."""
         usable = self.usable(now)
-        windows = self.stretch.planned(usable) if not self.alone else (1.0,) * len(usable)
+        windows = (1.0,) * len(usable) if self.turns else self.stretch.planned(usable)
         since = now - longest_window(stretched(usable, windows))
         others = self._sent_by_others(now, since)
-        return Limits(usable, tuple(self.own.since(since)), others, windows, alone=self.alone, agreed=self.agreed)
+        own = tuple(self.own.since(since))
+        return Limits(
+            usable,
+            own,
+            others,
+            windows,
+            alone=self.alone,
+            turns=self.turns,
+            agreed=self.coordination.team.agrees,
+        )
 
     def _fits(self, now: float, k: int, message: float, amount: float) -> bool:
         """Eq. 5; what is more than all that may be used has a stretched window for itself, or our turn."""
         limit, whole = self.limits[k], self.whole(now, k)
-        part = self._coordination.meanwhile.confined
+        part = self.coordination.meanwhile.confined
         if part < 1.0 and amount > _confined(self, now, k, part):
             return False
         turn = NOT_NEEDED
-        if amount > whole or self._coordination.equal.by_clock:
-            turn = self._coordination.turn(now, k, limit, amount)
-        if self._coordination.equal.by_clock and turn.began > -math.inf:
+        if amount > whole or self.coordination.equal.by_clock:
+            turn = self.coordination.turn(now, k, limit, amount)
+        if self.coordination.equal.by_clock and turn.began > -math.inf:
             used = self.own.used(turn.began, k)
             return turn.began <= now and (used <= 0.0 or used + amount <= turn.slot * limit.limit)
-        if turn.began == -math.inf and (amount <= whole or not self.alone) and amount <= self._room(now, k, message):
+        if turn.began == -math.inf and amount <= self._room(now, k, message):
             return True
         if amount <= whole and turn.began == -math.inf:
             return False
@@ -259,11 +268,11 @@ class Budget:
         that.
         """
         usable = self.usable(now)
-        limit, certain = usable[k], self._coordination.certain
-        if self.alone:
+        limit, certain, alone = usable[k], self.coordination.certain, self.alone
+        if self.turns:
             return limit.limit - self.own.used(now - limit.window - longer, k)
-        room = self.stretch.room(now, k, usable, message, longer)
-        if self.limits[k].shared and message <= TUNING.certain_message * certain * limit.limit:
+        room = self.stretch.room(now, k, usable, message, longer=longer, alone=alone)
+        if not alone and self.limits[k].shared and message <= TUNING.certain_message * certain * limit.limit:
             room = max(room, certain * limit.limit - self.own.used(now - limit.window - longer, k))
         return room
 

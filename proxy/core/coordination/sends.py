@@ -38,6 +38,11 @@ class OwnSends(SendLog):
         if large is not None:
             self._leaving[large] = now, use
 
+    def forget(self, before: float) -> None:
+        """Of what was sent before this nothing counts any more."""
+        super().forget(before)
+        self.bulky.forget(before)
+
     def is_leaving(self, sample: int) -> bool:
         """Whether a sample is a large one that the mesh has not taken yet."""
         return sample in self._leaving
@@ -91,6 +96,7 @@ class OthersSends:
         if not self._decided:
             return undecided
         self._decided.forget(since - self._traffic.remembered(longest_window(limits)))
+        self._bulky.forget(since - TUNING.stretched_windows * longest_window(limits))
         return self._decided.used(since, k) + undecided
 
     def undecided(self, since: float, k: int, limits: tuple[Limit, ...], windows: float = 1.0) -> float:

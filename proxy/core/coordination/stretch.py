@@ -4,13 +4,16 @@ It is as long as such a message takes beside what is booked. In it all that is s
 the window itself what is sent beside large messages keeps it alone: three robots that sent each other frames of 35 kB,
 70 kB in all copies, where a window of 1 Mbit/s holds 62, sent none as long as poses took 6 %, when a window had to be
 empty for them. Not for a stream of which one sample in ten or more fits: these are sent instead.
+
+So it is where we keep to an equal part as claims of others are hollow: six robots that began to sent no frame in 30 s
+beside their own poses. Parts that were agreed on have turns for what is larger.
 """
 
 from collections.abc import Iterable, Sequence
 
 from proxy.core.coordination.sends import OthersSends, OwnSends
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.model.limits import Limit, stretched
+from proxy.core.model.limits import Limit, Send, stretched
 
 Amounts = tuple[float, ...]
 """Of each limit."""
@@ -41,39 +44,50 @@ class Stretch:
             return (1.0,) * len(limits)
         return tuple([self._windows(k, limit, self._largest[k]) for k, limit in enumerate(limits)])
 
-    def limits(self, now: float, limits: tuple[Limit, ...], use: Amounts) -> tuple[Limit, ...]:
-        """Return the limits as they bind a message with this use now."""
-        windows = [self._now(now, k, limits, self._needed(k, limits[k], amount)) for k, amount in enumerate(use)]
+    def limits(self, now: float, limits: tuple[Limit, ...], use: Amounts, *, alone: bool) -> tuple[Limit, ...]:
+        """Return the limits as they bind a message with this use now; they are our part if we are `alone`."""
+        windows = [
+            self._now(now, k, limits, self._needed(k, limits[k], amount), alone=alone) for k, amount in enumerate(use)
+        ]
         return limits if max(windows, default=1.0) <= 1.0 else stretched(limits, windows)
 
-    def room(self, now: float, k: int, limits: tuple[Limit, ...], message: float, longer: float) -> float:
+    def room(
+        self, now: float, k: int, limits: tuple[Limit, ...], message: float, *, longer: float, alone: bool
+    ) -> float:
         """Return what is left of a limit for a message in the window that ends now and began `longer` ago than it does.
 
-        Messages for which windows are stretched count in these, and in no others.
+        Messages for which windows are stretched count in these, and in no others. Only our own if we are `alone`.
         """
-        limit, late = limits[k], self._own.leave_after
-        needed = self._needed(k, limit, message)
-        windows = self._now(now, k, limits, needed)
+        limit, needed = limits[k], self._needed(k, limits[k], message)
+        windows = self._now(now, k, limits, needed, alone=alone)
         since = now - (windows * limit.window + longer)
-        used = self._own.used(since, k) + self._others.used(since - late, k, limits, windows)
-        room = windows * limit.limit - used
+        room = windows * limit.limit - self._used(since, k, limits, windows, alone=alone)
         if windows > needed == 1.0:
             since = now - (limit.window + longer)
-            beside = self._own.used(since, k) + self._others.used(since - late, k, limits)
-            bulky = [*self._own.bulky.since(since), *self._others.bulky(since - late, limits)]
-            large = sum([use[k] for _, use in bulky if self._windows(k, limit, use[k]) > 1.0])
-            room = min(room, limit.limit - beside + large)
+            bulky = [
+                use[k] for _, use in self._bulky(since, limits, alone=alone) if self._windows(k, limit, use[k]) > 1.0
+            ]
+            room = min(room, limit.limit - self._used(since, k, limits, 1.0, alone=alone) + sum(bulky))
         return room
 
-    def _now(self, now: float, k: int, limits: tuple[Limit, ...], longest: float) -> float:
+    def _used(self, since: float, k: int, limits: tuple[Limit, ...], windows: float, *, alone: bool) -> float:
+        """Return what counts of a limit since then, so many windows ago."""
+        used = self._own.used(since, k)
+        return used if alone else used + self._others.used(since - self._own.leave_after, k, limits, windows)
+
+    def _now(self, now: float, k: int, limits: tuple[Limit, ...], longest: float, *, alone: bool) -> float:
         """Return the length of window `k` now for a message that needs one so long [windows]."""
-        limit, since = limits[k], now - TUNING.stretched_windows * limits[k].window
-        ours, theirs = self._own.bulky, self._others.bulky
-        for t, use in [*(ours.since(since) if ours else ()), *theirs(since, limits)]:
+        limit = limits[k]
+        for t, use in self._bulky(now - TUNING.stretched_windows * limit.window, limits, alone=alone):
             windows = self._windows(k, limit, use[k])
             if t + windows * limit.window > now:
                 longest = max(longest, windows)
         return longest
+
+    def _bulky(self, since: float, limits: tuple[Limit, ...], *, alone: bool) -> list[Send]:
+        """Return what was sent since then that windows may be stretched for."""
+        own = self._own.bulky.since(since) if self._own.bulky else []
+        return own if alone else own + self._others.bulky(since - self._own.leave_after, limits)
 
     def _needed(self, k: int, limit: Limit, message: float) -> float:
         """Return how many windows a message of ours takes for which they may be stretched."""

@@ -78,10 +78,19 @@ class Disputes:
         self.stretched = 0.0
         """How much longer than planned it may take to send several, one after the other [s]."""
 
-    def advance(self, now: float, limits: tuple[Limit, ...], *, alone: bool, deciding: Stream | None = None) -> None:
+    def advance(
+        self,
+        now: float,
+        limits: tuple[Limit, ...],
+        *,
+        alone: bool,
+        turns: bool = False,
+        deciding: Stream | None = None,
+    ) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
-        Sooner for the one `deciding`, if it is new, or generated half as many then.
+        Without those that are larger, if these take `turns`. Sooner for the one `deciding`, if it is new, or generated
+        half as many then.
         """
         new = deciding is not None and self._knew_little(deciding)
         pause = TUNING.interval_each * len(self._weighed)
@@ -96,7 +105,7 @@ class Disputes:
         self._generated = {stream.place: stream.generated for stream in competing}
         self._new = count_new(now, competing, limits)
         rows = rows_of(now, view, view.audiences, competing, limits, new=self._new) if limits else []
-        if alone:
+        if turns:
             rows = [row for row in rows if row.has_room(limits)]
         places = [row.stream.place for row in rows]
         self._market, weighed = None, list[Weighed]()

@@ -34,12 +34,15 @@ class Glance:
                 return sent
         return None
 
-    def prices(self, limits: tuple[Limit, ...], *, alone: bool) -> Amounts:
-        """Return what a unit of each limit costs [utility·s]; `alone`: only our own streams compete for our part."""
+    def prices(self, limits: tuple[Limit, ...], *, alone: bool, turns: bool) -> Amounts:
+        """Return what a unit of each limit costs [utility·s]; `alone`: only our own streams compete for our part.
+
+        Those with larger messages do not if these take `turns`.
+        """
         view, now = self._view, self._now
         competing = view.contention.all(now, view.settings.robot if alone else None) if limits else []
         rows = rows_of(now, view, self._audiences, competing, limits, new=count_new(now, competing, limits))
-        if alone:
+        if turns:
             rows = [row for row in rows if row.has_room(limits)]
         if not rows:
             return (0.0,) * len(limits)

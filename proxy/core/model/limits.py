@@ -33,7 +33,7 @@ class Limits:
     """The constraints of a problem, and what was sent that counts against them, oldest first, by us and by others.
 
     Each counts over so many `windows`, more than one where messages are larger than it. `alone`: they are our part, for
-    our streams only. `agreed`: all plans say the same of what others may have sent.
+    our streams only; larger messages take `turns`. `agreed`: all plans say the same of what others may have sent.
     """
 
     union: tuple[Limit, ...]
@@ -41,6 +41,7 @@ class Limits:
     others: tuple[Send, ...] = ()
     windows: tuple[float, ...] = ()
     alone: bool = False
+    turns: bool = False
     agreed: bool = False
 
 

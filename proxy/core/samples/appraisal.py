@@ -133,9 +133,14 @@ class Appraisal:
         budget = self.budget
         if stream is None or budget.alone or not self.view.peers:
             return (), math.inf
-        limits = budget.stretch.limits(now, budget.usable(now), use)
+        limits = budget.stretch.limits(now, budget.usable(now), use, alone=False)
         taken, until = self.claims.rivals(
-            now, stream, limits, partial(grew, budget, limits), partial(budget.free, now), agreed=budget.agreed
+            now,
+            stream,
+            limits,
+            partial(grew, budget, limits),
+            partial(budget.free, now),
+            agreed=budget.coordination.team.agrees,
         )
         if not any(taken):
             return (), until
@@ -150,7 +155,7 @@ class Appraisal:
         """Weigh anew how streams stand, if it is time to."""
         budget, disputes, before = self.budget, self.disputes, self.disputes.revision
         limits = budget.usable(now)
-        disputes.advance(now, limits, alone=budget.alone, deciding=deciding)
+        disputes.advance(now, limits, alone=budget.alone, turns=budget.turns, deciding=deciding)
         if disputes.revision != before:
             budget.stretch.weigh(limits, disputes.booked, disputes.contested)
             self.view.traffic.stretch(longest_window(stretched(limits, budget.stretch.planned(limits))))

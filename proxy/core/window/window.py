@@ -88,7 +88,7 @@ class WindowBuilder:
     def _contested(self, now: float, limits: Limits) -> Limits:
         """Return what is left of the limits to what is contested, without the sends that are booked."""
         disputes = self.disputes
-        disputes.advance(now, limits.union, alone=limits.alone)
+        disputes.advance(now, limits.union, alone=limits.alone, turns=limits.turns)
         union = tuple(
             replace(c, limit=max(left, TUNING.contested_at_least * c.limit), window=window)
             for c, left, window in zip(limits.union, *disputes.left(now), strict=True)

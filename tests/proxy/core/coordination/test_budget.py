@@ -61,7 +61,7 @@ def test_room_opens_later_when_more_was_sent_meanwhile(make_budget):
 def test_a_sample_waits_for_a_part_that_grows(make_budget):
     """As what others sent in a slot of ours leaves the window; for more than that nothing waits."""
     budget, _ = make_budget(kind="split", peers=0)
-    coordination = budget._coordination
+    coordination = budget.coordination
     coordination.advance(0.5, (BYTES,), 0.0, lambda _: 0.0, lambda _: 0.0, passes_at=lambda now: now)
     grows = coordination.grows_at(0.6)
     assert 0.6 < grows < math.inf
@@ -153,6 +153,25 @@ def test_a_message_larger_than_the_limit_has_room_beside_what_is_booked(make_bud
     assert all(longer <= later - earlier < longer + 0.1 for earlier, later in itertools.pairwise(sent))
 
 
+def test_who_keeps_to_an_equal_part_sends_what_is_larger_beside_its_own_small_messages(make_budget):
+    """Whatever others say; as often as the part has room for it."""
+    budget, view = make_budget(peers=3)
+    budget.coordination.keeps = 0.25
+    budget.stretch.weigh(budget.usable(0.0), (50.0,), [((600.0,), (0.0,))])
+    assert not budget.turns
+    sent = list[float]()
+    for number in range(200):
+        now = 0.1 * number
+        heard(view, now, 500)
+        budget.use(now, (5.0,))
+        if not budget.lacking(now, (600.0,)):
+            budget.use(now, (600.0,))
+            sent.append(now)
+    longer = 600.0 / (250.0 * (1.0 - TUNING.beside_oversized) - 50.0)
+    assert len(sent) == math.floor(20.0 / longer) + 1
+    assert all(later - earlier >= longer for earlier, later in itertools.pairwise(sent))
+
+
 def test_what_is_sent_beside_a_large_message_keeps_the_limit_alone(make_budget):
     """A window of sixteen has room for much, that of the limit has not."""
     budget, view = make_budget()
@@ -191,7 +210,7 @@ def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_b
     robots = TUNING.large_team + 1
     large = (3.0 * BYTES.limit / robots,)
     budget, _ = large_team(make_budget, robots, round(large[0]))
-    budget._coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 1.0, passes_at=lambda now: now)
+    budget.coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 1.0, passes_at=lambda now: now)
     sent, opens = list[float](), -math.inf
     for number in range(3000):
         now = 0.1 + 0.01 * number
@@ -220,7 +239,7 @@ def test_in_its_turn_a_robot_keeps_no_room_for_later_messages_though_its_part_ha
         now = 0.1 + 0.01 * step
         for stream in view.streams if step % 100 == 0 else ():
             stream.note_generated(stream.generated + 1, Generated(now, round(large[0]), 1.0))
-        budget._coordination.advance(now, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
+        budget.coordination.advance(now, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
         if now > 10.0 and not budget.lacking(now, large):
             turns += budget.in_turn(now, large)
             assert large[0] <= budget.whole(now, 0)
@@ -311,7 +330,7 @@ def test_room_grew_last_when_a_large_send_left_the_window(make_budget):
 def test_a_little_is_ours_whatever_others_say(make_budget):
     """An eighth of an equal part, for messages of a quarter of it at most; nothing of what is not shared."""
     budget, view = make_budget(BYTES, ENERGY, peers=4)
-    budget._coordination.certain = TUNING.certain_part / 5
+    budget.coordination.certain = TUNING.certain_part / 5
     heard(view, 1.0, 1_000_000)
     for number in range(4):
         assert budget.lacking(1.1, (7.0, 0.1)) == ("bytes",)

@@ -383,7 +383,7 @@ def test_what_is_larger_than_our_part_sets_no_price_for_what_is_not(talk):
     odometry = view.streams.known("r1", "robot/r1/odometry")
     part = (replace(limit, limit=3_000.0),)
     for alone in (False, True):
-        disputes(talk).advance(2.05, part, alone=alone)
+        disputes(talk).advance(2.05, part, alone=alone, turns=alone)
         standing = disputes(talk).weighed(odometry).standing
         assert (standing is Standing.UNDISPUTED) == alone
 
