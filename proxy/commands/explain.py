@@ -14,6 +14,7 @@ import msgpack
 import zenoh
 
 from proxy import exit_codes
+from proxy.bridge.tuning import TUNING
 from proxy.commands.client import Client, NoAnswerError, add_client_flags, connected
 from proxy.errors import ProxyError
 from proxy.explanation_text import described, ranking
@@ -285,11 +286,19 @@ def _payload(arguments: argparse.Namespace) -> bytes | None:
 
 
 def _read(file: str) -> bytes:
-    """Return what is in a file, or in standard input. Raises ExplainError."""
+    """Return what is in a file, or in standard input, if a sample may be so large. Raises ExplainError."""
+    most = TUNING.largest_message
     try:
-        return sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
+        if file == "-":
+            data = sys.stdin.buffer.read(most + 1)
+        else:
+            with Path(file).open("rb") as opened:
+                data = opened.read(most + 1)
     except (OSError, ValueError) as error:
         raise ExplainError(f"{file}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if len(data) > most:
+        raise ExplainError(f"{file}: is larger than {most // 2**20} MiB, as no sample is that crosses the mesh")
+    return data
 
 
 def _size(text: str) -> tuple[str, float]:

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import re
 import threading
 from contextlib import closing, contextmanager
@@ -13,6 +14,7 @@ import pytest
 import zenoh
 
 from proxy import exit_codes
+from proxy.bridge.tuning import TUNING
 from proxy.cli import main
 from proxy.commands.client import NoAnswerError, connected
 from proxy.commands.explain import ExplainError, _taken
@@ -101,6 +103,22 @@ def test_whatever_is_typed_is_no_traceback(explained, specs):
     assert text.startswith("robot/r1/battery (1 B): ")
     deep = explained("robot/r1/map", "--msgpack", "[" * 100_000, "--specs", specs, code=exit_codes.FAILED).err
     assert "is not JSON: maximum recursion depth exceeded" in deep
+
+
+@pytest.mark.parametrize("words", [["{}"], ["--text", "{}", "--attachment", "{}"], ["-"]])
+def test_no_more_is_read_than_a_sample_may_be(explained, specs, tmp_path, monkeypatch, words):
+    """A device such as /dev/zero has no end."""
+    file = tmp_path / "large"
+    file.touch()
+    command = ["robot/r1/other", *(word.format(file) for word in words), "--specs", specs]
+    with file.open() as given:
+        monkeypatch.setattr("sys.stdin", given)
+        os.truncate(file, 8_000_000)
+        assert explained(*command).out.startswith("robot/r1/other (")
+        given.seek(0)
+        os.truncate(file, TUNING.largest_message + 1)
+        shown = explained(*command, code=exit_codes.FAILED).err
+    assert shown.endswith(": is larger than 64 MiB, as no sample is that crosses the mesh\n")
 
 
 def test_without_a_payload_the_defaults_hold_and_specs_say_the_size(explained, specs):
