@@ -7,6 +7,7 @@ from pathlib import Path
 
 from proxy import exit_codes
 from proxy.extras import needs
+from proxy.printable import clean
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION
 
@@ -77,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"sendworthy bench: --make {needs('record')}", file=sys.stderr)
         return exit_codes.FAILED
     except (BenchError, OracleError, OSError) as error:
-        print(f"sendworthy bench: {error}", file=sys.stderr)
+        print(clean(f"sendworthy bench: {error}"), file=sys.stderr)
         return exit_codes.FAILED
     except SpecsError as error:
         print(error, file=sys.stderr)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from proxy import exit_codes
 from proxy.extras import needs, there
+from proxy.printable import clean
 from studies.foreign.errors import ImportFailedError
 from utility_specs.errors import SpecsError
 
@@ -77,5 +78,5 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _failed(reason: str) -> int:
-    print(f"sendworthy import: {reason}", file=sys.stderr)
+    print(clean(f"sendworthy import: {reason}"), file=sys.stderr)
     return exit_codes.FAILED

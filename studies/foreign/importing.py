@@ -12,6 +12,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Protocol
 
+from proxy.printable import clean
 from proxy.recording.entries import Payload, Start, Traffic
 from proxy.recording.writing import RecordingWriter
 from studies.foreign.arrived import Arrived
@@ -78,10 +79,10 @@ def make(arguments: argparse.Namespace, bags: Sequence[Path]) -> None:
         raise
     for source in sources:
         for problem in getattr(source, "problems", []):
-            print(f"sendworthy import: {problem}", file=sys.stderr)
+            print(clean(f"sendworthy import: {problem}"), file=sys.stderr)
         for column in getattr(source, "ignored", []):
-            print(f'sendworthy import: the column "{column}" is text, and ignored', file=sys.stderr)
-    print(_said(output, written))
+            print(clean(f'sendworthy import: the column "{column}" is text, and ignored'), file=sys.stderr)
+    print(clean(_said(output, written)))
 
 
 def _source(path: Path, arguments: argparse.Namespace, *, bag: bool) -> Source:

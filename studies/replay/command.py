@@ -6,6 +6,7 @@ from pathlib import Path
 
 from proxy import exit_codes
 from proxy.extras import needs
+from proxy.printable import clean
 from studies.replay.errors import ReplayError
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION, RATE
@@ -89,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _failed(reason: str) -> int:
-    print(f"sendworthy replay: {reason}", file=sys.stderr)
+    print(clean(f"sendworthy replay: {reason}"), file=sys.stderr)
     return exit_codes.FAILED
 
 

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Sequence
 from typing import TextIO
 
+from proxy.printable import clean
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
 from studies.replay.same import Sameness, lives, stretches
@@ -23,10 +24,10 @@ def _same(life: list[RecordingReader], output: TextIO, *, python: bool) -> bool:
             _tell(life[0].start.robot, found, output)
             equal = equal and found.equal
     except RecordingError as error:
-        print(f"sendworthy replay: {life[0].path}: {error}", file=sys.stderr)
+        print(clean(f"sendworthy replay: {life[0].path}: {error}"), file=sys.stderr)
         equal = False
     for problem in (problem for file in life for problem in file.problems):
-        print(f"sendworthy replay: {problem}", file=sys.stderr)
+        print(clean(f"sendworthy replay: {problem}"), file=sys.stderr)
     return equal
 
 
@@ -34,8 +35,9 @@ def _tell(robot: str, found: Sameness, output: TextIO) -> None:
     """Say what was found in a stretch of a robot's life."""
     since = f" from event {found.first:,} on" if found.first else ""
     what = f"{found.decisions:,} decisions and {found.commands:,} commands in {found.events:,} events{since}"
-    print(f"{robot}, {found.seconds:,.1f} s: {what}, {'all' if found.equal else 'not all'} equal", file=output)
+    alike = "all" if found.equal else "not all"
+    print(clean(f"{robot}, {found.seconds:,.1f} s: {what}, {alike} equal"), file=output)
     if found.difference:
-        print(f"  {found.difference}", file=output)
+        print(clean(f"  {found.difference}"), file=output)
     if found.ended:
-        print(f"  what comes later is not replayed, up to the next snapshot: {found.ended}", file=output)
+        print(clean(f"  what comes later is not replayed, up to the next snapshot: {found.ended}"), file=output)

@@ -9,6 +9,7 @@ import numpy as np
 
 from proxy import exit_codes
 from proxy.extras import needs, there
+from proxy.printable import clean
 from proxy.recording.entries import SpecsText
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
@@ -194,7 +195,8 @@ def _write(arguments: argparse.Namespace, found: Report) -> None:
         text = json.dumps(found, indent=2, allow_nan=False) + "\n"
         print(text, end="") if to_output else arguments.json.write_text(text, encoding="utf-8")
     if not to_output:
-        print("\n".join([found["about"], "", table(found), *(f"note: {note}" for note in found["notes"])]))
+        notes = (clean(f"note: {note}") for note in found["notes"])
+        print("\n".join([clean(found["about"]), "", table(found), *notes]))
     if arguments.html is not None:
         from studies.replay.page import page  # noqa: PLC0415 - matplotlib takes a second
 
@@ -251,4 +253,4 @@ def _notes(arguments: argparse.Namespace, outcomes: Outcomes, survey: Survey) ->
 
 
 def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    print(clean(text), file=sys.stderr, flush=True)

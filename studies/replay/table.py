@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+from proxy.printable import clean
+
 Report = dict[str, Any]
 HEAD = ("type", "messages", "sent", "bytes", "age", "95 %", "utility", "of all", "bound")
 EXPLAINED = "of all: of the utility if all samples went; bound: of that of the offline bound"
@@ -16,7 +18,8 @@ def table(report: Report) -> str:
     rows = [HEAD, *(_row(name, figures) for name, figures in types.items())]
     if len(types) > 1:
         rows.append(_row("together", report))
-    return "\n".join([*_aligned(rows), EXPLAINED, "", *_findings(report), *_differences(report)])
+    lines = [*_aligned(rows), EXPLAINED, "", *_findings(report), *_differences(report)]
+    return "\n".join(map(clean, lines))
 
 
 def quantity(size: float, unit: str = "B") -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from proxy import exit_codes
 from proxy.extras import needs
+from proxy.printable import clean
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION
 
@@ -83,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         characteristic(arguments)
     except (StudyError, ReplayError, RecordingError, OSError) as error:
-        print(f"sendworthy study: {error}", file=sys.stderr)
+        print(clean(f"sendworthy study: {error}"), file=sys.stderr)
         return exit_codes.FAILED
     except SpecsError as error:
         print(error, file=sys.stderr)

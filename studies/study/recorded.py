@@ -12,6 +12,7 @@ import numpy as np
 
 from planner import Problem
 from proxy.extras import needs, there
+from proxy.printable import clean
 from proxy.recording.reading import RecordingReader
 from studies.bench.errors import BenchError
 from studies.bench.folder import SUFFIX, load
@@ -75,7 +76,7 @@ def _recorded(arguments: argparse.Namespace) -> tuple[_Mission, Problem]:
     recordings = Recordings(tuple(RecordingReader(path) for path in arguments.files))
     survey = recordings.survey()
     for problem in survey.problems:
-        print(f"sendworthy study: {problem}", file=sys.stderr)
+        print(clean(f"sendworthy study: {problem}"), file=sys.stderr)
     latency = LATENCY if arguments.latency is None else arguments.latency
     mission = Mission(_specs(arguments, survey), tuple(sorted(survey.samples)), latency)
     found = _Mission(mission.robots, survey.samples.total(), survey.seconds)

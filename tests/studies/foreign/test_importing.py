@@ -75,6 +75,19 @@ def test_several_files_are_one_recording(place, capsys):
     assert times == sorted(times)
 
 
+def test_the_words_of_a_file_cannot_command_the_terminal(place, capsys):
+    """Robots, topics and columns have whatever names others gave them."""
+    write_bag(place / "bag")
+    Path("t.csv").write_text("t_gen,robot,key,size,\x1b[2J\n1,r1,\x1b[2J,5,x\n")
+    assert main(["import", "bag", "t.csv", "-o", "all.mcap", "--robot", "r\x1b[2J"]) == exit_codes.OK
+    shown = capsys.readouterr()
+    assert "r\ufffd[2J (90)" in shown.out
+    assert 'the column "\ufffd[2J" is text' in shown.err
+    assert "\x1b" not in shown.out + shown.err
+    assert main(["import", "\x1b[2J.csv", "-o", "none.mcap"]) == exit_codes.FAILED
+    assert "\ufffd[2J.csv: No such file" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [

@@ -72,6 +72,19 @@ def test_what_cannot_be_replayed_is_told(tmp_path, capsys):
     assert "the specs  are not in the recording" in shown
 
 
+def test_the_words_of_a_recording_cannot_command_the_terminal(tmp_path, capsys):
+    """It may come from anybody; what is wrong with it is told in its words, too."""
+    recorded(tmp_path / "a.mcap", 3, replace(BEGIN, robot="r\x1b[2J", generation="\x1b[2J"))
+    with RecordingWriter(tmp_path / "b.mcap", replace(BEGIN, robot="r\x1b[2J", zid="z2")) as writer:
+        writer.specs(text_of(Specs.empty()))
+        writer.happened(ev.TimePassed(1.5), [])
+    assert main(["replay", *map(str, tmp_path.iterdir())]) == exit_codes.FAILED
+    shown = capsys.readouterr()
+    assert "r\ufffd[2J, 0.5 s" in shown.out
+    assert "the specs \ufffd[2J are not in the recording" in shown.err
+    assert "\x1b" not in shown.out + shown.err
+
+
 def test_without_the_extra_it_says_which_to_install(monkeypatch, capsys):
     """It is loaded when it is needed."""
     monkeypatch.setitem(sys.modules, "studies.replay.replaying", None)

@@ -12,6 +12,7 @@ from proxy import exit_codes
 from proxy.cli import main
 from proxy.core.core import Core
 from proxy.core.interface import events as ev
+from proxy.core.interface.commands import Drop
 from proxy.recording.entries import SpecsText
 from proxy.recording.output import text_of
 from proxy.recording.writing import RecordingWriter
@@ -201,6 +202,29 @@ def test_senseless_arguments_are_refused(arguments, capsys):
     with pytest.raises(SystemExit):
         main(["replay", "traffic.mcap", *arguments])
     assert arguments[0] in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("place")
+def test_the_words_of_traffic_cannot_command_the_terminal(capsys):
+    """Robots, keys and reasons are whatever the file says."""
+    with RecordingWriter(Path("wild.mcap"), replace(START, robot="r\x1b[2J")) as writer:
+        writer.specs(SpecsText("\x1b[2J"))
+        for number, key in enumerate(("a/pose", "\x1b[2J")):
+            writer.happened(replace(published(number), key=key), [Drop(number, "dropped:\x1b[2J")])
+    Path("none.toml").write_text(POSE.replace("*/pose", "none"))
+    flown = ["replay", "wild.mcap", "--no-bound", "--specs"]
+    assert main([*flown, "spec.toml"]) == exit_codes.OK
+    assert main([*flown, "spec.toml", "--robots", "r1"]) == exit_codes.FAILED
+    assert main([*flown, "none.toml"]) == exit_codes.FAILED
+    assert main(["study", "characteristic", "wild.mcap", "--specs", "none.toml"]) == exit_codes.FAILED
+    assert main(["bench", "--make", "made.jsonl", "--recording", "wild.mcap"]) == exit_codes.FAILED
+    shown = capsys.readouterr()
+    assert "Traffic of r\ufffd[2J" in shown.out
+    assert "dropped:\ufffd[2J -> forwarded" in shown.out
+    assert "there are r\ufffd[2J" in shown.err
+    assert shown.err.count("it has \ufffd[2J, a/pose") == 2
+    assert "bench: the text of the specs \ufffd[2J is not" in shown.err
+    assert "\x1b" not in shown.out + shown.err
 
 
 def test_a_robots_recording_is_flown_anew_only_where_something_else_is_tried(tmp_path, monkeypatch):
