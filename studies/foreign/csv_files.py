@@ -14,10 +14,11 @@ from heapq import merge
 from operator import attrgetter
 from pathlib import Path
 from pickle import dump, load
-from typing import TextIO
+from typing import NoReturn, TextIO
 
 import zenoh
 
+from proxy.config_values import robot_name
 from studies.foreign.arrived import Arrived
 from studies.foreign.errors import ImportFailedError
 from utility_specs.suggestions import hint, quoted
@@ -117,9 +118,13 @@ class _Line:
         key = fields["key"]
         if not is_key(key):
             self._fail("key", f"{quoted(key)} is no key; write for example robot/r1/camera, without / at the ends")
-        if not fields["robot"]:
-            self._fail("robot", "is empty")
-        return Arrived(t_gen, fields["robot"], key, int(size), self._features(fields))
+        return Arrived(t_gen, self._robot(fields["robot"]), key, int(size), self._features(fields))
+
+    def _robot(self, name: str) -> str:
+        try:
+            return robot_name(name)
+        except ValueError as error:
+            self._fail("robot", str(error))
 
     def _features(self, fields: dict[str, str]) -> dict[str, float]:
         found = {}
@@ -141,7 +146,7 @@ class _Line:
             self._fail(column, f"{text} is not finite")
         return value
 
-    def _fail(self, column: str, what: str) -> None:
+    def _fail(self, column: str, what: str) -> NoReturn:
         where = f"{self.path}:{self.number}: column {quoted(column)} ({self.columns.index(column) + 1})"
         raise ImportFailedError(f"{where}: {what}")
 
