@@ -11,6 +11,7 @@ from studies.bench.format import FIRST, FORMAT, Head, LimitTable, Mission, Row, 
 from studies.bench.generated import NUMBER, PLACEHOLDER, SEED, TIME
 from studies.bench.utilities import table_of
 from studies.bench.worth import bounded
+from studies.given import once
 from studies.replay.mission import Mission as Flown
 from studies.replay.outcomes import Outcomes
 from studies.replay.policies import enter_all
@@ -32,7 +33,7 @@ def of_recording(
 
     Raises BenchError, RecordingError, ReplayError, SpecsError or OSError.
     """
-    recordings = Recordings(tuple(RecordingReader(path) for path in files))
+    recordings = Recordings(tuple(RecordingReader(path) for path in once(files)))
     survey = recordings.survey()
     flown = Flown(_specs(survey, specs), tuple(sorted(survey.samples)), latency)
     outcomes = enter_all(flown, recordings.told(frozenset(flown.robots)), survey.first)

@@ -8,6 +8,7 @@ from proxy import exit_codes
 from proxy.extras import needs, there
 from proxy.printable import clean
 from studies.foreign.errors import ImportFailedError
+from studies.given import once
 from utility_specs.errors import SpecsError
 
 DESCRIPTION = """\
@@ -29,6 +30,8 @@ examples:
   sendworthy import traffic.csv -o traffic.mcap
 """
 TABLES = (".csv", ".tsv", ".txt")
+PARTS = (".mcap", ".db3")
+"""Files of bags."""
 MOST_DOMAIN = 232
 
 
@@ -61,6 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     except ImportError:
         print(f"sendworthy import {needs('record')}", file=sys.stderr)
         return exit_codes.FAILED
+    arguments.files = once(arguments.files, PARTS)
     bags = [path for path in arguments.files if path.suffix.lower() not in TABLES]
     if bags and not there("rosbags"):
         print(f"sendworthy import: {bags[0]} {needs('ros2')}", file=sys.stderr)

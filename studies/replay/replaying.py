@@ -13,6 +13,7 @@ from proxy.printable import clean
 from proxy.recording.entries import SpecsText
 from proxy.recording.errors import RecordingError
 from proxy.recording.reading import RecordingReader
+from studies.given import once
 from studies.oracle import OracleError
 from studies.replay import policies
 from studies.replay.adaptive import as_borne
@@ -46,6 +47,7 @@ def replay(arguments: argparse.Namespace) -> int:
     """Replay, print and write what was asked for; return the exit code. Raises ReplayError, SpecsError or OSError."""
     _check_extras(arguments)
     asked = any(getattr(arguments, name) is not None for name in WHAT_IF)
+    arguments.files = once(arguments.files)
     files, problems = opened(arguments.files)
     if asked or any(file.start.kind == "traffic" for file in files):
         if problems:

@@ -16,6 +16,7 @@ from proxy.printable import clean
 from proxy.recording.reading import RecordingReader
 from studies.bench.errors import BenchError
 from studies.bench.folder import SUFFIX, load
+from studies.given import once
 from studies.replay.flight import TAIL
 from studies.replay.mission import LATENCY, Mission
 from studies.replay.policies import enter_all, problem_of
@@ -56,6 +57,7 @@ def characteristic(arguments: argparse.Namespace) -> None:
             raise StudyError(f"{picture}: a picture is a file of {', '.join(PICTURES)}")
         if not there("matplotlib"):
             raise StudyError(f"--picture {needs('study')}")
+    arguments.files = once(arguments.files)
     of_bench = [path for path in arguments.files if path.suffix == SUFFIX]
     mission, problem = _drawn(arguments) if of_bench else _recorded(arguments)
     found = Characteristic.of(at_random(problem, arguments.seed))

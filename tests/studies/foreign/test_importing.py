@@ -88,6 +88,14 @@ def test_the_words_of_a_file_cannot_command_the_terminal(place, capsys):
     assert "\ufffd[2J.csv: No such file" in capsys.readouterr().err
 
 
+def test_what_is_named_twice_is_imported_once(place, capsys):
+    """A table, a bag, or a bag and its file."""
+    write_bag(place / "bag")
+    files = ["t.csv", "bag", "bag/bag.mcap", "./t.csv", "bag/../bag"]
+    assert main(["import", *files, "-o", "all.mcap", "--robot", "r2"]) == exit_codes.OK
+    assert "91 samples of r2 (90), r1 (1) on " in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [

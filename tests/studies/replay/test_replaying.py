@@ -227,6 +227,26 @@ def test_the_words_of_traffic_cannot_command_the_terminal(capsys):
     assert "\x1b" not in shown.out + shown.err
 
 
+@pytest.mark.usefixtures("place")
+def test_what_is_named_twice_counts_once(tmp_path, capsys):
+    """Flown anew, replayed exactly, and in a study or a mission of it."""
+    code, found = replay("--specs", "spec.toml", "--no-bound", "./traffic.mcap")
+    assert code == exit_codes.OK
+    assert (found["messages"], found["files"]) == (180, ["traffic.mcap"])
+    path, core = tmp_path / "r1.mcap", Core(START.settings, specs_of(POSE), START.now)
+    with RecordingWriter(path, replace(START, generation=specs_of(POSE).generation)) as writer:
+        writer.specs(text_of(specs_of(POSE)))
+        writer.happened(ev.TimePassed(1.5), core.handle(ev.TimePassed(1.5)))
+    assert main(["replay", "r1.mcap", str(path)]) == exit_codes.OK
+    assert "1 events, all equal\n" in capsys.readouterr().out
+    twice = [str(tmp_path / "traffic.mcap"), "traffic.mcap"]
+    assert main(["study", "characteristic", *twice, "--specs", "spec.toml"]) == exit_codes.OK
+    assert "180 samples of 2 robots" in capsys.readouterr().out
+    made = ["--make", "made.jsonl", "--specs", "spec.toml"]
+    assert main(["bench", *made, "--recording", *twice]) == exit_codes.OK
+    assert "made.jsonl: 120 samples of 2 robots" in capsys.readouterr().err
+
+
 def test_a_robots_recording_is_flown_anew_only_where_something_else_is_tried(tmp_path, monkeypatch):
     """Features that were not recorded are told."""
     monkeypatch.chdir(tmp_path)
