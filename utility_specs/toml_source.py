@@ -8,7 +8,9 @@ except ValidationError as error:
 """
 
 import re
+import sys
 import tomllib
+from bisect import bisect_left
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -75,8 +77,11 @@ class TomlSource:
             return cls(path, tomllib.loads(text), text, lines_of(text))
         except RecursionError:
             raise _error(path, None, "arrays or tables are nested too deeply") from None
-        except ValueError as error:
+        except tomllib.TOMLDecodeError as error:
             raise _syntax_error(path, text, str(error)) from None
+        except ValueError:
+            most = sys.get_int_max_str_digits()
+            raise _error(path, _line_of_huge(text), f"not valid TOML: a number of more than {most} digits") from None
 
     def line_of(self, path: KeyPath) -> int | None:
         """Return the line of a key, or that of the nearest table around it; None when there is none."""
@@ -179,6 +184,20 @@ def _syntax_error(path: Path, text: str, message: str) -> TomlError:
     bare = next((word for word in _BARE.findall(line) if word not in _WORDS), None)
     quotes = "" if bare is None else f"; text and quantities stand in quotes: {quoted(bare)}"
     return _error(path, int(found[1]), f"{cause} (column {found[2]}){quotes}")
+
+
+def _line_of_huge(text: str) -> int:
+    """Return the line of the first number that Python refuses to read: the first up to which it refuses the text."""
+    lines = text.split("\n")
+
+    def refused(number: int) -> bool:
+        try:
+            tomllib.loads("\n".join(lines[:number]))
+        except ValueError as error:
+            return not isinstance(error, tomllib.TOMLDecodeError)
+        return False
+
+    return bisect_left(range(len(lines)), True, key=refused)
 
 
 def _error(path: Path, line: int | None, message: str) -> TomlError:

@@ -127,7 +127,11 @@ def test_of_a_file_full_of_mistakes_the_first_are_told():
         (b"a = 1\nb = '\xff'\n", ":2: is not UTF-8 (byte 0xff); save the file as UTF-8"),
         (b"a = " + b"[" * 2000, ": arrays or tables are nested too deeply"),
         (b"x = 1\na" + b".a" * 100 + b" = 1", ":2: a key of more than 64 parts"),
-        (b"a = " + b"1" * 5000, ": not valid TOML: Exceeds the limit"),
+        (b"a = " + b"1" * 5000, ":1: not valid TOML: a number of more than 4300 digits"),
+        (
+            b"#" + b"1" * 5000 + b"\r\na = [\r\n1,\r\n" + b"1" * 5000 + b", 2,\r\n3\r\n]\r\nb = " + b"1" * 5000,
+            ":4: not valid TOML: a number of more than 4300 digits",
+        ),
         (b"#" * (LARGEST_FILE + 1), ": is larger than 128 KiB"),
         (b"a = [" + b"1," * MOST_MARKS + b"]", ": has more than 3072 keys and values; write several files"),
     ],
