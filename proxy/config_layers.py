@@ -62,7 +62,7 @@ def read_value(text: str, *, takes_text: bool) -> Any:
     """Read `text` as one TOML value, or as the string that it is."""
     try:
         document = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):  # also for more digits, or brackets, than Python reads
         return text
     value = document["value"]
     one_value = len(document) == 1

@@ -38,6 +38,8 @@ def test_flags_are_nested_by_dots():
         ('["a", "b"]', False, ["a", "b"]),
         ("{ a.b = 1 }", False, {"a": {"b": 1}}),
         ("maybe", False, "maybe"),
+        ("1" * 5000, False, "1" * 5000),
+        ("[" * 5000, False, "[" * 5000),
         ("", False, ""),
         ("7", True, "7"),
         ('"7"', True, "7"),
