@@ -5,6 +5,7 @@ from datetime import datetime
 from pathlib import Path
 from statistics import fmean
 
+from proxy.printable import clean
 from studies.bench.flying import BUILT_IN, Score
 from studies.bench.folder import checksum, load
 from studies.benchmarks.report import Table, machine
@@ -47,7 +48,7 @@ def by_mission(scores: Sequence[Score]) -> Table:
     policies = ranked(scores)
     found = {(score.mission, score.policy): score for score in scores}
     rows = [
-        (name, *(_cell(found[name, policy]) for policy in policies))
+        (clean(name), *(_cell(found[name, policy]) for policy in policies))
         for name in dict.fromkeys(score.mission for score in scores)
     ]
     note = "Score [%]; behind it, where it is less than that, the utility."

@@ -1,5 +1,6 @@
 """Scores as tables and as a page."""
 
+from dataclasses import replace
 from datetime import UTC, datetime
 
 from studies.bench.flying import Score
@@ -27,6 +28,13 @@ def test_each_mission_has_the_score_of_each_policy():
     """And the utility where that is another one."""
     assert by_mission(SCORES).rows == (("one", "90.0", "40.0 (80.0)"), ("two", "80.0", "60.0"))
     assert "40.0 (80.0)" in text(SCORES)
+
+
+def test_the_name_of_a_mission_cannot_command_the_terminal():
+    """Its file may come from anybody."""
+    shown = text([replace(SCORES[0], mission="one\x1b[2J")])
+    assert "one\ufffd[2J" in shown
+    assert "\x1b" not in shown
 
 
 def test_the_page_says_what_was_flown_and_when(tmp_path):
