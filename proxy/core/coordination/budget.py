@@ -92,8 +92,8 @@ class Budget:
 
     @property
     def turns(self) -> bool:
-        """Whether messages that are larger than our part go by turns."""
-        return self.alone and (self.coordination.split_in_force is not None or self.coordination.equal.by_clock)
+        """Whether all have parts: messages that are larger go by turns, or where a longer window is empty."""
+        return self.alone and not self.coordination.keeps
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:
         """Put these constraints in force; what we sent still counts against those of the same name and kind."""
@@ -104,6 +104,7 @@ class Budget:
         if places != list(range(len(self.limits))):
             self.own.renumber(places)
             self._others.renumber(places)
+            self.stretch.weigh((), (), ())
         self.limits, self._memory = limits, TUNING.stretched_windows * longest_window(limits)
 
     def mute(self, until: float) -> None:
@@ -135,8 +136,7 @@ class Budget:
 
         By a message with this use, else by one that is neither small nor larger than a limit.
         """
-        wholes = [self.whole(now, k) for k in range(len(self.limits))]
-        free = [self._room(now, k, amount) for k, amount in enumerate(use or wholes)]
+        free = [self._room(now, k, amount) for k, amount in enumerate(use or self.stretch.ordinary(self.usable(now)))]
         part = self.coordination.meanwhile.confined
         return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 

@@ -95,8 +95,8 @@ class OthersSends:
         undecided = self.undecided(since, k, limits, windows)
         if not self._decided:
             return undecided
-        self._decided.forget(since - self._traffic.remembered(longest_window(limits)))
-        self._bulky.forget(since - TUNING.stretched_windows * longest_window(limits))
+        for log in (self._decided, self._bulky):  # no window is longer than what is remembered
+            log.forget(since - self._traffic.remembered(longest_window(limits)))
         return self._decided.used(since, k) + undecided
 
     def undecided(self, since: float, k: int, limits: tuple[Limit, ...], windows: float = 1.0) -> float:

@@ -3,7 +3,7 @@
 It is as long as such a message takes beside what is booked. In it all that is sent keeps the limit on average, and in
 the window itself what is sent beside large messages keeps it alone: three robots that sent each other frames of 35 kB,
 70 kB in all copies, where a window of 1 Mbit/s holds 62, sent none as long as poses took 6 %, when a window had to be
-empty for them. Not for a stream of which one sample in ten or more fits: these are sent instead.
+empty for them. Not for a stream some of whose samples fit, by their mean and how much they vary: these are sent.
 
 So it is where we keep to an equal part as claims of others are hollow: six robots that began to sent no frame in 30 s
 beside their own poses. Parts that were agreed on have turns for what is larger.
@@ -30,13 +30,18 @@ class Stretch:
         """What a sample uses of the contested stream with the largest, if they do not fit beside that; else 0."""
 
     def weigh(self, limits: Sequence[Limit], booked: Amounts, contested: Iterable[tuple[Amounts, Amounts]]) -> None:
-        """So much of each limit is booked; samples of contested streams use so much, and vary by so much."""
-        self._booked, largest = booked, [0.0] * len(limits)
+        """Beside contested messages so much of each limit may be used; they use so much, and vary by so much."""
+        largest = [0.0] * len(limits)
         for use, deviation in contested:
             for k, limit in enumerate(limits):
-                if use[k] - TUNING.larger_deviations * deviation[k] > limit.limit - booked[k]:
+                least = use[k] - TUNING.larger_deviations * deviation[k]
+                if use[k] > limit.limit and least > limit.limit - booked[k]:
                     largest[k] = max(largest[k], use[k] + deviation[k])
-        self._largest = tuple(largest)
+        self._booked, self._largest = booked, tuple(largest)
+
+    def ordinary(self, limits: Sequence[Limit]) -> Amounts:
+        """Return what the largest messages use for which nothing is stretched."""
+        return tuple([min(self._left(k, c), c.limit) if self._stretches(k) else c.limit for k, c in enumerate(limits)])
 
     def planned(self, limits: Sequence[Limit]) -> Amounts:
         """Return the windows' lengths for plans, which know the largest message to come [windows]."""

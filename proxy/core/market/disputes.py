@@ -67,6 +67,12 @@ class Disputes:
         """The sends of what is booked, as they are after so many sends noted at that time: one event asks often."""
         self._sends_of: dict[int, tuple[Sent, list[Send]]] = {}
         """Those of each of them, by its place, as they are since it sent this."""
+        self.beside: Amounts = ()
+        """What of each limit is used in a window beside contested messages if all that is booked is sent.
+
+        A little of what is priced goes at any price: streams worth 100 times as much as that, with samples larger than
+        a limit, sent 2 of them in 30 s where only what is booked was kept free, and send 30.
+        """
         self.contested: tuple[tuple[Amounts, Amounts], ...] = ()
         """What samples of each contested stream use, and by how much that varies."""
         self.settled: frozenset[Place] = frozenset()
@@ -223,6 +229,13 @@ class Disputes:
             [
                 min(amount + more, TUNING.booked * c.limit, c.limit - keep)
                 for amount, more, c, keep in zip(booked, presumed, limits, kept, strict=True)
+            ]
+        )
+        every = reserve([row for row, _ in load], [row.interval for row, _ in load], limits)
+        self.beside = tuple(
+            [
+                max(amount, min(more, TUNING.booked * c.limit))
+                for amount, more, c in zip(self.booked, every, limits, strict=True)
             ]
         )
         self.contested = tuple([(row.use, row.deviation) for row in contested])

@@ -157,5 +157,5 @@ class Appraisal:
         limits = budget.usable(now)
         disputes.advance(now, limits, alone=budget.alone, turns=budget.turns, deciding=deciding)
         if disputes.revision != before:
-            budget.stretch.weigh(limits, disputes.booked, disputes.contested)
+            budget.stretch.weigh(limits, disputes.beside, disputes.contested)
             self.view.traffic.stretch(longest_window(stretched(limits, budget.stretch.planned(limits))))

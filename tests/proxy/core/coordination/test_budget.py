@@ -172,6 +172,28 @@ def test_who_keeps_to_an_equal_part_sends_what_is_larger_beside_its_own_small_me
     assert all(later - earlier >= longer for earlier, later in itertools.pairwise(sent))
 
 
+def test_large_sends_are_forgotten_as_all_others_are(make_budget):
+    """Ours and those of others, however many there were."""
+    budget, view = make_budget()
+    for number in range(500):
+        heard(view, float(number), 600)
+        view.sweep(float(number))
+        budget.use(float(number), (600.0,))
+        assert budget.lacking(float(number), (300.0,))
+    assert len(budget.own.bulky) <= 2 * TUNING.stretched_windows
+    assert len(budget._others.bulky(0.0, budget.limits)) < 5
+
+
+def test_under_other_limits_nothing_is_stretched_that_was(make_budget):
+    """Until it is weighed what competes for these: limits have other places then."""
+    budget, _ = make_budget()
+    budget.stretch.weigh(budget.limits, (0.0,), [((1500.0,), (0.0,))])
+    assert budget.problem_limits(1.0).windows[0] > 1.0
+    budget.set_limits((COUNT, BYTES))
+    assert budget.problem_limits(1.0).windows == (1.0, 1.0)
+    assert budget.free(1.0) == [COUNT.limit, BYTES.limit]
+
+
 def test_what_is_sent_beside_a_large_message_keeps_the_limit_alone(make_budget):
     """A window of sixteen has room for much, that of the limit has not."""
     budget, view = make_budget()
