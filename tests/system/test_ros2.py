@@ -104,12 +104,11 @@ def test_the_log_stays_home_and_commands_go_through_a_full_channel(pair):
         robot.do("publish", "/camera/image_raw", frame)
         robot.do("publish", "/cmd_vel", str(i))
         robot.do("publish", "/rosout", str(i))
-    wait_until(lambda: viewer.heard("/cmd_vel")[-1][0] == "39", 20.0, "the last command")
-    wait_until(lambda: home.heard("/rosout")[-1][0] == "39", 20.0, "the last line of the log")
-    # What the node's own session drops, as it may, nobody hears.
-    crossed, stayed = ([p for p, _ in node.heard("/cmd_vel") if p != "first"] for node in (viewer, home))
-    assert crossed == sorted(crossed, key=int)
-    assert set(stayed) <= set(crossed), "every command that got to the daemon"
+        # One by one: of a burst a node's own session drops what a link does not take at once, on each as it may.
+        for node, topic in ((viewer, "/cmd_vel"), (home, "/cmd_vel"), (home, "/rosout")):
+            wait_until(lambda: node.heard(topic)[-1][0] == str(i), 20.0, f"{topic} {i}")  # noqa: B023 - called at once
+    for node in (viewer, home):
+        assert [p for p, _ in node.heard("/cmd_vel") if p != "first"] == [str(i) for i in range(40)]
     assert not viewer.heard("/rosout")
     assert ("MP", "robot", "/rosout") in home.graph()
     assert ("MP", "robot", "/rosout") not in viewer.graph()
