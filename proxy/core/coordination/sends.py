@@ -18,7 +18,7 @@ class OwnSends(SendLog):
     def __init__(self) -> None:
         super().__init__()
         self.bulky = SendLog()
-        """Of these, messages larger than half a limit."""
+        """Of these, messages for which windows may be stretched."""
         self._leaving: dict[int, Send] = {}
         """Of these, large samples that the mesh has not taken yet."""
         self.leave_after = 0.0
@@ -31,7 +31,7 @@ class OwnSends(SendLog):
         self._leaving.clear()
 
     def note(self, now: float, use: tuple[float, ...], large: int | None, *, bulky: bool = False) -> None:
-        """A message is sent now, a `large` sample or something else; `bulky`: larger than half a limit."""
+        """A message is sent now, a `large` sample or something else; `bulky`: windows may be stretched for it."""
         self.add(now, use)
         if bulky:
             self.bulky.add(now, use)
@@ -76,7 +76,7 @@ class OthersSends:
         self._decided, self._undecided, self._ours = SendLog(), SendLog(), OwnSends()
         """Others' sends, by whether anybody decided on them, and what of ours counts that nobody did."""
         self._bulky = SendLog()
-        """Of those that somebody decided on, messages larger than half a limit."""
+        """Of those that somebody decided on, messages for which windows may be stretched."""
         self._limits: tuple[Limit, ...] = ()
         self._taken = 0, 0
         """How many sends there were so far, and how many had been retracted."""
@@ -108,7 +108,7 @@ class OthersSends:
         return min(self._undecided.used(since, k), self._room(since, k, windows * limits[k].limit))
 
     def bulky(self, since: float, limits: tuple[Limit, ...]) -> list[Send]:
-        """Return what was sent since then on which somebody decided, of messages larger than half a limit."""
+        """Return what was sent since then on which somebody decided, and for which windows may be stretched."""
         self._follow(limits)
         return self._bulky.since(since)
 

@@ -13,10 +13,8 @@ from collections.abc import Iterable, Sequence
 
 from proxy.core.coordination.sends import OthersSends, OwnSends
 from proxy.core.coordination.tuning import TUNING
+from proxy.core.market.standing import Amounts
 from proxy.core.model.limits import Limit, Send, stretched
-
-Amounts = tuple[float, ...]
-"""Of each limit."""
 
 
 class Stretch:

@@ -88,8 +88,8 @@ def exceeds(part: float, use: Sequence[float], limits: Iterable[Limit]) -> bool:
 
 
 def is_bulky(use: Sequence[float], limits: Iterable[Constraint]) -> bool:
-    """Whether a message is larger than half of what a limit lets pass in its window."""
-    return any(amount > 0.5 * limit.limit for amount, limit in zip(use, limits, strict=True))
+    """Whether a message is so large a part of what a limit lets pass that windows may be stretched for it."""
+    return any(amount > TUNING.bulky * limit.limit for amount, limit in zip(use, limits, strict=True))
 
 
 def stretched(limits: Sequence[Limit], windows: Sequence[float]) -> tuple[Limit, ...]:

@@ -15,6 +15,8 @@ class ModelTuning:
     """A digest counts as at least this large [B], so that so many bytes are at most so many digests."""
     large: float = 0.02
     """What takes more than this part of a limit is announced at once when it is sent, as what was sent together is."""
+    bulky: float = 0.5
+    """For messages that take no more than this part of a limit no window is stretched."""
     planned_windows: float = 4.0
     """Plans reach this many of the longest window of a limit (93.5 % of the bound; with two sends of all 92.3)."""
 
