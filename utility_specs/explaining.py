@@ -180,9 +180,10 @@ def explain(
     size: int | None = None,
     receivers: int = 1,
 ) -> Explanation:
-    """Explain a sample; its `size` [B] is that of the payload unless it is given."""
+    """Explain a sample; its `size` [B] is that of payload and attachment unless it is given."""
     sample = Sample(key, payload, attachment)
-    size = len(sample.payload) if size is None else size
+    if size is None:
+        size = len(sample.payload) + (0 if attachment is None else len(sample.attachment))
     of, keys = specs.specs.match(key), list(_keys(specs))
     worth = None if of is None else _worth(of, sample, [each for each in keys if _includes(each[1], key)])
     near = nearest(key, [each.expression for each, _ in keys], NEAREST) if of is None else ()

@@ -15,7 +15,7 @@ from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.mirror import Mirror
 from proxy.bridge.received import Received
 from proxy.bridge.rules import Rules, Verdict
-from proxy.bridge.sample import Held, origin_of, publish, wall_of
+from proxy.bridge.sample import Held, origin_of, publish, size_of, wall_of
 from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import Event, SampleHeard
 from proxy.core.protocol.messages import tag
@@ -132,7 +132,7 @@ class Delivery:
         if verdict is Verdict.DENIED:
             self._rules.into.count("samples")  # it was on the air all the same
         else:
-            held = Held(sample, stamp, key, len(sample.payload), sample.source_info if self._numbered else None)
+            held = Held(sample, stamp, key, size_of(sample), sample.source_info if self._numbered else None)
             may_wait = ordered and not copy
             hand = partial(self._let, held.apart if may_wait and self.hold_back.waits else held, renamed)
             if not (may_wait and self.hold_back.takes(key, stamp, held.size, hand)):
@@ -159,7 +159,7 @@ def _heard(key: str, sample: zenoh.Sample) -> SampleHeard:
     return SampleHeard(
         now=clock.monotonic(),
         key=key,
-        size=len(sample.payload),
+        size=size_of(sample),
         origin=None if stamp is None else origin_of(stamp),
         stamp=None if stamp is None else wall_of(stamp),
         # The sender's digest carries their worth; decoding every frame again would cost a core.

@@ -23,7 +23,7 @@ from proxy.bridge.passed import DENIED, OVERFLOW, TOO_LARGE, Passed
 from proxy.bridge.payloads import Payloads
 from proxy.bridge.room import Room
 from proxy.bridge.rules import Rules
-from proxy.bridge.sample import Held, generated, origin_of, priority_of
+from proxy.bridge.sample import Held, generated, origin_of, priority_of, size_of
 from proxy.bridge.stamped import Stamped
 from proxy.bridge.tuning import TUNING
 from proxy.core.interface.events import SamplePublished
@@ -133,7 +133,7 @@ class Ingress:
         if quiet is None:
             self._take(now, key, sample)
         else:
-            self._barrier.hold(key, now, len(sample.payload), partial(self._take, None, key, sample), quiet=quiet)
+            self._barrier.hold(key, now, size_of(sample), partial(self._take, None, key, sample), quiet=quiet)
 
     def _take(self, now: float | None, key: str, sample: zenoh.Sample) -> None:
         """Sort a sample that came now, or was held until now where `now` is None."""
@@ -144,7 +144,7 @@ class Ingress:
             self.returned += 1
             return
         course = self._courses.of(key)
-        size = len(sample.payload)
+        size = size_of(sample)
         reason = TOO_LARGE if size > self._largest else course.dropped
         if reason is not None:
             self._drop(reason)

@@ -32,7 +32,7 @@ class Parcel(NamedTuple):
 
 
 class Held(NamedTuple):
-    """A sample with the timestamp and the source info it leaves with. `size` is that of the payload [B].
+    """A sample with the timestamp and the source info it leaves with, and its `size_of` [B].
 
     `to` is the tag of the only robot that gets it, if it is a copy.
     """
@@ -114,6 +114,12 @@ def publish(
         allowed_destination=zenoh.Locality.REMOTE,
         source_info=source,
     )
+
+
+def size_of(sample: zenoh.Sample) -> int:
+    """What a sample brings along, payload and attachment [B]: both are on the air, and in memory."""
+    attachment = sample.attachment
+    return len(sample.payload) if attachment is None else len(sample.payload) + len(attachment)
 
 
 def priority_of(sample: zenoh.Sample | Parcel) -> int:

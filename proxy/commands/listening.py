@@ -55,7 +55,7 @@ class Listener:
 
     def _keep(self, sample: Observed) -> None:
         self.samples.append(sample)
-        self._bytes += len(sample.payload)
+        self._bytes += sample.size
         self.full = self._bytes >= MOST_BYTES
 
 

@@ -16,3 +16,8 @@ class Observed:
     encoding: str = ""
     attachment: bytes | None = None
     origin: str | None = None
+
+    @property
+    def size(self) -> int:
+        """What it takes of limits: payload and attachment [B]."""
+        return len(self.payload) + len(self.attachment or b"")

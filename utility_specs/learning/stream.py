@@ -63,7 +63,7 @@ class Stream:
     def take(self, sample: Observed) -> None:
         """Take in the next sample."""
         self.count += 1
-        self.bytes += len(sample.payload)
+        self.bytes += sample.size
         self.timing.observe(self.count, sample.time)
         self._first, self._last = min(self._first, sample.time), max(self._last, sample.time)
         if (self.count - 1) % self._stride == 0:
@@ -79,7 +79,7 @@ class Stream:
             values = self._images.of(Sample(sample.key, sample.payload))
         else:
             values = {} if document is None else leaves(document)
-        return Look(sample.time, len(sample.payload), form, values)
+        return Look(sample.time, sample.size, form, values)
 
     @property
     def interval(self) -> float:

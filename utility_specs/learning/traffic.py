@@ -67,7 +67,7 @@ class Traffic:
         stream.take(sample)
         self._first, self._last = min(self._first, sample.time), max(self._last, sample.time)
         if len(self._windows) < MOST_WINDOWS:
-            self._windows[math.floor(sample.time / WINDOW)] += len(sample.payload)
+            self._windows[math.floor(sample.time / WINDOW)] += sample.size
 
     def rate(self, part: float) -> float:
         """Return what so large a part of all windows, from 0 to 1, did not exceed [B/s]."""

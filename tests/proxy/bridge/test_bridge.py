@@ -137,7 +137,7 @@ def test_dropped_samples_never_reach_the_mesh_but_always_local_apps(team):
 
 
 def test_a_covered_sample_is_described_to_the_core(pair):
-    """The core learns key, size, priority, origin and generation time; the receiver's core hears of it too."""
+    """The core learns key, size with attachment, priority, origin and generation time; so does the receiver's core."""
     remote = Heard(pair[1].node(), "covered/b")
     wait_interest(pair[1], pair[0], keys=("covered/b",))
     app = pair[0].node()
@@ -146,13 +146,13 @@ def test_a_covered_sample_is_described_to_the_core(pair):
     wait_until(lambda: pair[0].asked, what="the question")
     (asked,) = pair[0].asked
     assert pair[0].attachments == [b"why"]
-    assert (asked.key, asked.size, asked.priority, asked.delete) == ("covered/b", 5, 4, False)
+    assert (asked.key, asked.size, asked.priority, asked.delete) == ("covered/b", 8, 4, False)
     assert asked.origin == str(app.zid())
     assert 0.0 <= asked.now - asked.t_gen < 1.0
     pair[0].bridge.forward(asked.sample)
     wait_until(lambda: pair[1].posted(SampleHeard), what="the receiver's core")
     (heard,) = pair[1].posted(SampleHeard)
-    assert (heard.key, heard.size, heard.origin) == ("covered/b", 5, str(app.zid()))
+    assert (heard.key, heard.size, heard.origin) == ("covered/b", 8, str(app.zid()))
     wait_until(lambda: len(remote.samples) == 1, what="the sample")
 
 

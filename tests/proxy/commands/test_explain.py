@@ -93,6 +93,7 @@ def test_payloads_come_from_files_standard_input_and_the_command_line(explained,
     mark.write_bytes(b"\x07")
     out = explained("robot/r1/map", "--msgpack", '{"known": 0.5}', "--attachment", str(mark), "--specs", specs).out
     assert "scale          = known + mark = 0.5 + 7 = 7.5\n" in out
+    assert out.startswith("robot/r1/map (17 B")  # payload and attachment
 
 
 def test_whatever_is_typed_is_no_traceback(explained, specs):

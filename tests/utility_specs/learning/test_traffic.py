@@ -11,7 +11,7 @@ from utility_specs.learning.traffic import Traffic
 def test_streams_are_keys_of_one_origin():
     """Two robots on one key are two streams."""
     samples = [Observed(0.0, "map", b"1", origin="a"), Observed(1.0, "map", b"22", origin="b")]
-    seen = Traffic.of([*samples, Observed(2.0, "k", b"333")], Schedule)
+    seen = Traffic.of([*samples, Observed(2.0, "k", b"3", attachment=b"33")], Schedule)
     assert [stream.key for stream in seen.streams] == ["k", "map", "map"]
     assert (seen.count, seen.bytes, seen.duration) == (3, 6, 2.0)
 
