@@ -39,12 +39,13 @@ class Announcements:
     def due_at(self, now: float) -> float:
         """When a sample that is sent now could be announced [s]."""
         waits = self._coordination.team.rivals and self.needed and not self.overheard
-        return self._budget.due_ahead(now, TUNING.announcement_debt) if waits else now
+        return self._budget.due_ahead(now, TUNING.announcement_debt, announces=True) if waits else now
 
     def tells_at(self, now: float) -> float:
         """When what changes plans is announced: ahead of the allowance, little so where nearly all overhear it [s]."""
-        heard = self.overheard and self._view.paths.mean_loss() < TUNING.overheard_loss
-        return self._budget.due_ahead(now, TUNING.overheard_debt if heard else TUNING.announcement_debt)
+        if self.overheard and self._view.paths.mean_loss() < TUNING.overheard_loss:
+            return self._budget.due_ahead(now, TUNING.overheard_debt)
+        return self._budget.due_ahead(now, TUNING.announcement_debt, announces=True)
 
     def passes_at(self, now: float) -> float:
         """When it could be told that a slot is passed on [s]."""

@@ -260,9 +260,13 @@ class DigestBudget:
             due = max(due, min(fits, self._patience_ends(cost)))
         return max(due, self.last_ordinary + apart)
 
-    def due_ahead(self, now: float, seconds: float) -> float:
-        """When a digest may go out that spends the allowance of so many seconds ahead of time, in our clock [s]."""
-        longest = TUNING.deepest_debt + self._patience_ends(self._brief * self._copies)
+    def due_ahead(self, now: float, seconds: float, *, announces: bool = False) -> float:
+        """When a digest may go out that spends the allowance of so many seconds ahead of time, in our clock [s].
+
+        One that `announces` waits for no debt of others: where two teams meet one robot may hear both use up their
+        allowance, and the others not. It was silent for 28 s.
+        """
+        longest = self._patience_ends(self._brief * self._copies) + (0.0 if announces else TUNING.deepest_debt)
         return max(now, min(self._paid_ahead(now, seconds), longest))
 
     def due_with_parts(self, now: float, seconds: float) -> float:

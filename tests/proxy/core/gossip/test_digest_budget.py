@@ -55,7 +55,7 @@ def test_in_the_long_run_all_robots_together_are_within_the_rate(robots, wanted)
     for who, announces, pause, size in wanted:
         now += pause
         budget = team[who % robots]
-        due = budget.due_ahead(now, AHEAD) if announces else budget.due(now, apart=0.0, copies=1)
+        due = budget.due_ahead(now, AHEAD, announces=True) if announces else budget.due(now, apart=0.0, copies=1)
         if due > now:
             continue
         budget.sent(now, size, 1, announces=announces)
@@ -146,6 +146,20 @@ def test_nobody_is_silenced_by_what_others_tell():
     assert len(told) >= 12
     assert max(after - before for before, after in pairwise(told)) <= 2.0 * TUNING.slowest_digest + 0.021
     assert budget.due_ahead(20.0, AHEAD) <= 20.0 + TUNING.deepest_debt - AHEAD
+
+
+def test_who_is_in_debt_by_what_others_told_announces_about_half_as_much_as_its_part():
+    """Those who did not hear that go on to use up the allowance, so the debt lasts."""
+    budget, told, cost = budget_of(1000.0, robots=3), 0, (SIZE + OVERHEAD) * 3
+    budget.sent(0.0, SIZE, 3, announces=True)
+    budget.heard(0.0, 6000, 1)
+    for step in range(1000):
+        now = 0.02 * step
+        budget.heard(now, 20 - OVERHEAD, 1)
+        if budget.due_ahead(now, AHEAD, announces=True) <= now:
+            budget.sent(now, SIZE, 3, announces=True)
+            told += 1
+    assert 0.8 <= told * cost / (0.5 * 1000.0 * 20.0 / 3) <= 1.0
 
 
 @pytest.mark.parametrize("window", [0.25, 0.5, 0.9])
