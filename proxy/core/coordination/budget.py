@@ -175,10 +175,13 @@ class Budget:
     ) -> float:
         """When the `wanted` room opens for a message, or the `total` it goes with [s]; −∞: it is there, ∞: never is.
 
+        Or when it can be announced: who only looked for room dropped alarms at once that could wait for seconds.
         Or when our part grows that is too small for it: in `split` ten robots with equal messages reach 83 to 95 % of a
         central decider, and 82 to 93 where such a sample was dropped.
         """
         needed, coordination = total or use, self.coordination
+        if now < self._mute_until and changes_plans(use, self.limits):
+            return self._mute_until
         if coordination.equal.by_clock and (turn := _next_turn(self, coordination, now, needed)) > -math.inf:
             return turn if self.lacking(now, use, needed) else -math.inf
         longer = MARKET.closed

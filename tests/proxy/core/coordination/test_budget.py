@@ -58,6 +58,15 @@ def test_room_opens_later_when_more_was_sent_meanwhile(make_budget):
     assert budget.opens(1.4, (400.0,), Room.ANYBODYS) == pytest.approx(2.4, abs=1e-5)
 
 
+def test_a_sample_that_cannot_be_announced_yet_waits_until_it_can(make_budget):
+    """Though there is room for it: an alarm was dropped at once else. A small one goes, as nobody has to hear of it."""
+    budget, _ = make_budget()
+    budget.mute(1.8)
+    assert budget.lacking(1.3, (300.0,)) == ("bytes",)
+    assert budget.opens(1.3, (300.0,)) == 1.8
+    assert budget.opens(1.3, (1.0,)) == budget.opens(1.8, (300.0,)) == -math.inf
+
+
 def test_a_sample_waits_for_a_part_that_grows(make_budget):
     """As what others sent in a slot of ours leaves the window; for more than that nothing waits."""
     budget, _ = make_budget(kind="split", peers=0)
