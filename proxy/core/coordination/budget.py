@@ -154,12 +154,19 @@ class Budget:
 
     def certain(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a small message is within the part of what robots share that is left to us whatever others say."""
-        part = self.coordination.certain
+        return self.certain_at(now, use) <= now
+
+    def certain_at(self, now: float, use: tuple[float, ...]) -> float:
+        """Return when that part, and what is ours alone, has room for a message [s]; ∞ where it is not small."""
+        part, at = self.coordination.certain, -math.inf
         if self.alone or part <= 0.0:
-            return False
-        shared = [k for k, limit in enumerate(self.limits) if limit.shared]
-        rooms = [(use[k], part * self.whole(now, k), self.used(now, k)) for k in shared]
-        return all(u <= TUNING.certain_message * room and used + u <= room for u, room, used in rooms)
+            return math.inf
+        for k, limit in enumerate(self.limits):
+            room = self.whole(now, k) * (part if limit.shared else 1.0)
+            if use[k] > room * (TUNING.certain_message if limit.shared else 1.0):
+                return math.inf
+            at = max(at, self.own.exceeded_since(k, room - use[k]) + limit.window + MARKET.closed)
+        return at
 
     def in_turn(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a message has room as it is our turn by the clock, which plans know nothing of: our part would do."""

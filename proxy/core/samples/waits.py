@@ -5,8 +5,8 @@ import math
 from proxy.core.coordination.claims import first_at, news_take, opening
 from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.market.room import Room, carried, pace_part
-from proxy.core.market.standing import Standing
-from proxy.core.model.limits import Limit, changes_plans, longest_window
+from proxy.core.market.standing import Amounts, Standing
+from proxy.core.model.limits import Limit, changes_plans, longest_window, shortest_window
 from proxy.core.model.mode import Mode
 from proxy.core.model.waiting import Waiting
 from proxy.core.samples.appraisal import Appraisal
@@ -129,11 +129,23 @@ class Waits:
             opens = max(opens, self._turn(now, stream, leads=leads))
         if not stream.information_type.markovian:
             opens = min(opens, until)  # no newer one replaces it; after a freeze news are taken to take seconds
+        opens = self._for_certain(now, sample, use, opens, until)
         if opens <= now:
             return False
         self._inbox.rest(sample, opens)
         self._followers.lead(kind, sample, use, opens)
         return True
+
+    def _for_certain(self, now: float, sample: Waiting, use: Amounts, opens: float, until: float) -> float:
+        """Return when there is room at last: a small sample waits a window for others, then it has its certain part.
+
+        Else beside a robot that claimed gigabytes, for which windows are stretched, alarms waited for 8 s.
+        """
+        certain = self._budget.certain_at(now, use)
+        if opens > now:
+            return min(opens, max(certain, sample.t_gen + shortest_window(self._budget.limits)))
+        waits = now < certain <= until and not sample.markovian and bool(self._budget.lacking(now, use))
+        return certain if waits else opens
 
     def _turn(self, now: float, stream: Stream, *, leads: bool) -> float:
         """Return when the channel is free for a stream [s]: the best claim goes first, and the others hear of it."""

@@ -260,6 +260,18 @@ def test_a_little_is_ours_whatever_others_say(make_budget):
     assert not budget.lacking(2.2, (6.0, 0.1))
 
 
+def test_when_that_little_has_room_is_known(make_budget):
+    """As far as our own sends take it, and what is ours alone; never for what is not small."""
+    budget, _ = make_budget(BYTES, ENERGY, peers=4)
+    budget.coordination.certain = TUNING.certain_part / 5
+    assert budget.certain_at(1.1, (6.0, 0.1)) < 1.1
+    budget.use(1.1, (20.0, 0.1))
+    assert budget.certain_at(1.2, (6.0, 0.1)) == pytest.approx(2.1)
+    budget.use(1.2, (1.0, 2.85))
+    assert budget.certain_at(1.3, (1.0, 0.1)) == pytest.approx(3.1)
+    assert budget.certain_at(1.3, (7.0, 0.1)) == math.inf
+
+
 NAMES = ("r1", "r2", "r3")
 
 

@@ -187,3 +187,26 @@ def test_where_news_take_seconds_no_sample_that_counts_waits_longer_than_its_pat
     assert only(counted.tell(ev.TimePassed(10.19))) == []
     commands = counted.tell(ev.TimePassed(10.21))
     assert decide_all(counted, 10.21, commands, send=True) == [Forward(sample)]
+
+
+def test_a_small_sample_waits_a_window_at_most_for_what_others_claim(counted):
+    """It has a part for certain. Where windows were stretched for a gigabyte that another sent it was dropped."""
+    core = counted.core
+    other = core.view.streams.known("op", "robot/op/camera")
+    core.view.traffic.note_sent(other, other.forwarded + 1, Sent(8.1, 8.1, 1 << 30, 1.0))
+    core.budget.stretch.weigh(core.budget.limits, (0.0,), [((1e9,), (0.0,))])
+    sample, commands = counted.publish(8.2, size=20)
+    assert only(commands, Decide, Drop, Forward) == []
+    assert only(counted.tell(ev.TimePassed(9.201)), Decide, Drop, Forward) == [Forward(sample)]
+
+
+def test_a_small_sample_that_counts_waits_for_its_part_where_nothing_else_is_left(counted):
+    """A window that is stretched has room in all, and none in its last part: the sample was dropped at once."""
+    core = counted.core
+    other = core.view.streams.known("op", "robot/op/camera")
+    core.view.traffic.note_sent(other, other.forwarded + 1, Sent(7.9, 7.9, 30_000, 1.0))
+    core.budget.stretch.weigh(core.budget.limits, (0.0,), [((30_000.0,), (0.0,))])
+    core.budget.use(8.1, (9_990.0,))
+    sample, commands = counted.publish(8.2, size=20)
+    assert only(commands, Decide, Drop, Forward) == []
+    assert only(counted.tell(ev.TimePassed(9.101)), Decide, Drop, Forward) == [Forward(sample)]
