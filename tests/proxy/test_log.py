@@ -10,7 +10,7 @@ import pytest
 
 from proxy import clock
 from proxy.config import LogConfig
-from proxy.log import AT_ONCE, PERIOD, REASONS, set_up_logging
+from proxy.log import AT_ONCE, NEWS_AT_ONCE, PERIOD, REASONS, set_up_logging
 
 log = logging.getLogger("proxy.gate")
 
@@ -184,12 +184,15 @@ def test_reasons_are_told_apart(logged, time):
     assert json.loads(stream.getvalue().splitlines()[-1])["left_out"] == 2
 
 
-def test_what_is_no_warning_is_never_left_out(logged):
-    """Fifty robots appear on the mesh at once, and each is told."""
+def test_of_what_is_no_warning_more_is_logged(logged, time):
+    """All robots of a team may appear on the mesh at once, and each is told; not a stranger that comes without end."""
     stream = logged()
-    for number in range(50):
-        log.info("robot %d is on the mesh", number)
-    assert len(stream.getvalue().splitlines()) == 50
+    for number in range(NEWS_AT_ONCE + 5):
+        log.info("%s", f"robot {number} is on the mesh", extra={"reason": "presence"})
+    assert len(stream.getvalue().splitlines()) == NEWS_AT_ONCE
+    time[0] = PERIOD
+    log.info("%s", "robot 200 is on the mesh", extra={"reason": "presence"})
+    assert stream.getvalue().splitlines()[-1].endswith("robot 200 is on the mesh (5 more like it were left out)")
 
 
 def test_reasons_without_end_take_no_memory_without_end(logged):

@@ -47,7 +47,7 @@ class TeamLimits:
             for name in self._parts.mismatched.found & self._parts.view.peers.keys():
                 self._parts.view.newcomers.doubt(now, self._parts.view.peers[name])
         new = self._parts.mismatched.worth_a_warning - before
-        return [Notice("error", warning) for warning in self._parts.mismatched.warnings(new)]
+        return [Notice("error", warning, {"reason": "limits"}) for warning in self._parts.mismatched.warnings(new)]
 
     def _set_rate(self) -> None:
         follows = bool(self._parts.channel.capacity.factors)

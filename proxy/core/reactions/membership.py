@@ -35,7 +35,7 @@ class Membership:
         self._limits.set_members(event.now)
         self._parts.gossip.met(event.now, name)
         robot = self._parts.view.peers[name].robot
-        commands: list[Command] = [Notice("info", f"robot {robot} is on the mesh", {"robot": robot})]
+        commands: list[Command] = [Notice("info", f"robot {robot} is on the mesh", _fields(robot))]
         self._parts.kept.appeared(event.robot, name)
         for stream in self._parts.view.streams.own():
             if stream.key in self._parts.kept.reached(name):
@@ -43,7 +43,8 @@ class Membership:
         for heard, digest in self._parts.unknown_senders.introduce(name):
             commands += self._news.hear(heard, digest, 0)
         after = namesake_warnings(self._parts.settings, self._parts.view.peers)
-        return [*commands, *(Notice("error", warning) for warning in after if warning not in warned)]
+        new = [warning for warning in after if warning not in warned]
+        return [*commands, *(Notice("error", warning, {"reason": "namesake"}) for warning in new)]
 
     def gone(self, event: ev.PeerGone) -> list[Command]:
         """A presence token vanished."""
@@ -56,7 +57,7 @@ class Membership:
         self._parts.view.gone(event.now, event.zid)
         self._forget(tag(event.zid))
         self._limits.set_members(event.now)
-        notice = Notice("info", f"robot {robot} left the mesh", {"robot": robot})
+        notice = Notice("info", f"robot {robot} left the mesh", _fields(robot))
         return [*self._retention.renew(), NoteInterest(event.zid, ()), notice]
 
     def _lost_for_a_moment(self, event: ev.PeerAppeared) -> None:
@@ -85,3 +86,8 @@ class Membership:
 def _is(peer: Peer, event: ev.PeerAppeared | ev.PeerGone) -> bool:
     """Whether a token is that of a robot: its session, under its name."""
     return (peer.name, peer.zid) == (event.robot, event.zid)
+
+
+def _fields(robot: str) -> dict[str, str | int]:
+    """Return what programs look for in the log; of one reason no more is logged than somebody reads."""
+    return {"robot": robot, "reason": "presence"}

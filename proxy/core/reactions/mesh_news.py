@@ -78,7 +78,7 @@ class MeshNews:
             self._parts.kept.subscribed(name, peer.state.subscriptions)
             commands += self._retention.renew()
         after = transport_warnings(self._parts.settings, self._parts.view.peers)
-        commands += [Notice("error", warning) for warning in after if warning not in warned]
+        commands += [Notice("error", warning, {"reason": "transport"}) for warning in after if warning not in warned]
         return [*commands, *self._parts.view.clocks.compare(event.now, self._parts.view.peers.values())]
 
     def malformed(self, event: ev.MalformedHeard) -> None:

@@ -69,7 +69,7 @@ class WallClocks:
         if wrong == was:
             return []
         text = self._parted(peer, ahead) if wrong else f"the clocks of {peer.robot} and {self._robot} agree again"
-        return [Notice("warning" if wrong else "info", text)]
+        return [Notice("warning" if wrong else "info", text, {"reason": "clock"})]
 
     def _parted(self, peer: Peer, ahead: float) -> str:
         way = "ahead of" if ahead > 0.0 else "behind"

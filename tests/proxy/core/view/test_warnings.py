@@ -41,6 +41,20 @@ def test_a_robot_on_another_transport_is_named(make_talk, ours, theirs):
     assert talk.core.status(1.0)["peers"][0]["transport"] == theirs
 
 
+def test_what_a_robot_has_logged_is_for_few_reasons(make_talk):
+    """Whatever it calls itself and says: the log has so many lines for each reason, and no more."""
+    talk = make_talk()
+    for number in range(3):
+        talk.tell(ev.PeerAppeared(0.0, f"x{number}", f"z-{number}"))
+        talk.tell(ev.StateHeard(0.1, State(f"x{number}", f"z-{number}", "enforce", "", transport=f"{number}")))
+        talk.tell(ev.PeerGone(0.2, f"x{number}", f"z-{number}"))
+    talk.tell(ev.PeerAppeared(0.3, "r1", "z-9"))
+    assert [notice.fields["reason"] for notice in talk.all(Notice)] == [
+        *(["presence", "transport", "presence"] * 3),
+        *("presence", "namesake"),
+    ]
+
+
 def test_robots_on_one_transport_are_no_news(make_talk):
     """Nor is one that has not said yet how its samples travel."""
     talk = make_talk(transport=HERE)
