@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
@@ -194,8 +194,7 @@ class Team:
         """Return how many streams a robot has in the mean, as states tell; small ones beside others do not count."""
         robots: list[list[float]] = [[stream.sizes.mean for stream in self._view.streams.own()]]
         robots += [[each.size for each in peer.told.values()] for peer in self._others() if peer.told]
-        counts = [sum(size >= TUNING.even_size * max(sizes) for size in sizes) for sizes in robots]
-        return sum(counts) / len(counts)
+        return sum(map(_not_small, robots)) / len(robots)
 
     def _others(self) -> Iterator[Peer]:
         return (peer for name, peer in self._view.peers.items() if name in self.members)
@@ -240,6 +239,12 @@ class Team:
         """Whether a robot that knows its rhythms finds no split due: who joins it does as it does."""
         told = ((name, each) for name, peer in self._view.peers.items() for each in peer.told.values())
         return any(each.period > 0.0 and name not in self._votes for name, each in told)
+
+
+def _not_small(sizes: Sequence[float]) -> int:
+    """Return how many streams are not small beside the largest."""
+    least = TUNING.even_size * max(sizes, default=0.0)
+    return sum(size >= least for size in sizes)
 
 
 def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> bool:

@@ -404,6 +404,28 @@ def test_small_streams_beside_a_large_one_are_no_reason_for_equal_parts(make_tea
     assert team.coordination.team.quiet
 
 
+class Size(int):
+    """A size that counts how often such are compared."""
+
+    compared = 0
+
+    def __gt__(self, other):
+        Size.compared += 1
+        return int(self) > other
+
+    __ge__ = __gt__
+
+
+def test_who_has_thousands_of_streams_stops_nobody(make_team):
+    """Each size is looked at a few times: with 4,096 streams of a stranger each look took a second."""
+    robots, streams = names(TUNING.even_robots), 1000
+    team = make_team(robots, send=TUNING.even_robots + 1)
+    tell(team, robots, streams, size=Size(9))
+    team.look(announcing=99.0)
+    assert team.coordination.team.quiet
+    assert Size.compared < 10 * len(robots) * streams
+
+
 def tell(team, robots, streams, size=0, first=0):
     """The states of these robots have come, who have so many streams each, of such sizes."""
     for name in robots:
