@@ -152,12 +152,11 @@ class Budget:
             ]
         )
 
-    def certain(self, now: float, use: tuple[float, ...]) -> bool:
-        """Whether a small message is within the part of what robots share that is left to us whatever others say."""
-        return self.certain_at(now, use) <= now
-
     def certain_at(self, now: float, use: tuple[float, ...]) -> float:
-        """Return when that part, and what is ours alone, has room for a message [s]; ∞ where it is not small."""
+        """Return when a small message is within the part that is ours whatever others say [s]; ∞: it is not small.
+
+        And within what is ours alone; in the past where it is now.
+        """
         part, at = self.coordination.certain, -math.inf
         if self.alone or part <= 0.0:
             return math.inf

@@ -229,7 +229,7 @@ class Gate:
 
     def _weigh(self, now: float, stream: Stream, sample: Waiting, use: Use) -> Command:
         """Decide by what room costs, or where that is disputed by a search; a little goes whatever others claim."""
-        if self._budget.certain(now, use):
+        if self._budget.certain_at(now, use) <= now:
             self.decisions.count(Shortcut.CERTAIN)
             return self.outcomes.send(now, stream, sample, use, CERTAIN)
         standing = self.appraisal.weigh(now, stream, sample)

@@ -250,13 +250,13 @@ def test_a_little_is_ours_whatever_others_say(make_budget):
     heard(view, 1.0, 1_000_000)
     for number in range(4):
         assert budget.lacking(1.1, (7.0, 0.1)) == ("bytes",)
-        assert not budget.certain(1.1, (7.0, 0.1))
+        assert budget.certain_at(1.1, (7.0, 0.1)) > 1.1
         assert not budget.lacking(1.1, (6.0, 0.1)), number
-        assert budget.certain(1.1, (6.0, 0.1))
+        assert budget.certain_at(1.1, (6.0, 0.1)) <= 1.1
         assert budget.opens(1.1, (6.0, 0.1)) == -math.inf
         budget.use(1.1, (6.0, 0.6))
     assert budget.lacking(1.2, (6.0, 1.0)) == ("bytes", "energy")
-    assert not budget.certain(1.2, (6.0, 0.1))
+    assert budget.certain_at(1.2, (6.0, 0.1)) > 1.2
     assert not budget.lacking(2.2, (6.0, 0.1))
 
 
