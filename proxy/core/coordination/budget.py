@@ -298,6 +298,24 @@ def using(budget: Budget, now: float) -> float:
     return max((budget.used(now, k) / budget.whole(now, k) for k in shared), default=0.0)
 
 
+def sustained(budget: Budget, now: float) -> tuple[float, ...]:
+    """Return what may be used of each limit in a second from now on [units/s].
+
+    In a long window that is no more than what is left some parts of it ahead: who sent much at first slows down in
+    time.
+    """
+    rates = []
+    usable = budget.usable(now)
+    for k, limit in enumerate(usable):
+        rate = limit.limit / limit.window
+        if limit.window > MARKET.long_window:
+            for ahead in (part * limit.window for part in MARKET.long_ahead):
+                counting = budget.stretch.used(now + ahead - limit.window, k, usable, 1.0, alone=budget.alone)
+                rate = min(rate, max(0.0, limit.limit - counting) / ahead)
+        rates.append(rate)
+    return tuple(rates)
+
+
 def grew(budget: Budget, limits: tuple[Limit, ...], now: float, ahead: float = 0.0) -> float:
     """Return when a send that changes plans leaves a window last, up to so far `ahead` [s]; −∞ where none does."""
     longest = longest_window(limit for limit in limits if limit.shared)

@@ -64,16 +64,16 @@ class Stretch:
         limit, needed = limits[k], self._needed(k, limits[k], message)
         windows = self._now(now, k, limits, needed, alone=alone)
         since = now - (windows * limit.window + longer)
-        room = windows * limit.limit - self._used(since, k, limits, windows, alone=alone)
+        room = windows * limit.limit - self.used(since, k, limits, windows, alone=alone)
         if windows > needed == 1.0:
             since = now - (limit.window + longer)
             bulky = [
                 use[k] for _, use in self._bulky(since, limits, alone=alone) if self._windows(k, limit, use[k]) > 1.0
             ]
-            room = min(room, limit.limit - self._used(since, k, limits, 1.0, alone=alone) + sum(bulky))
+            room = min(room, limit.limit - self.used(since, k, limits, 1.0, alone=alone) + sum(bulky))
         return room
 
-    def _used(self, since: float, k: int, limits: tuple[Limit, ...], windows: float, *, alone: bool) -> float:
+    def used(self, since: float, k: int, limits: tuple[Limit, ...], windows: float, *, alone: bool) -> float:
         """Return what counts of a limit since then, so many windows ago."""
         used = self._own.used(since, k)
         return used if alone else used + self._others.used(since - self._own.leave_after, k, limits, windows)

@@ -92,9 +92,11 @@ class Disputes:
         alone: bool,
         turns: bool = False,
         deciding: Stream | None = None,
+        rates: Amounts = (),
     ) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
+        They may use so much of each in a second: these `rates`, if known, else the limits' own.
         Without those that are larger, if these take `turns`. Sooner for the one `deciding`, if it is new, or generated
         half as many then.
         """
@@ -118,7 +120,7 @@ class Disputes:
         if rows:
             from proxy.core.market.prices import Market
 
-            self._market, steady = Market.of(rows, limits, view.settings.horizon)
+            self._market, steady = Market.of(rows, limits, view.settings.horizon, rates)
             weighed = self._market.weigh(rows, steady)
         self._weighed = dict(zip(places, weighed, strict=True))
         self.revision += 1

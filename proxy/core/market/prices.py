@@ -36,10 +36,15 @@ class Market:
     """Messages that take no more than this part of every limit are decided by their price alone."""
 
     @classmethod
-    def of(cls, rows: Sequence[Row], limits: tuple[Limit, ...], horizon: int) -> tuple[Self, Steady]:
-        """Return the market of all that competes, and what each stream earns; plans look at `horizon` messages."""
+    def of(
+        cls, rows: Sequence[Row], limits: tuple[Limit, ...], horizon: int, offered: Amounts = ()
+    ) -> tuple[Self, Steady]:
+        """Return the market of all that competes, and what each stream earns; plans look at `horizon` messages.
+
+        So much of each limit is `offered` in a second; where nothing is said of that it is the limit in its window.
+        """
         steady = _steady(rows)
-        rates = np.array([c.limit / c.window for c in limits])
+        rates = np.array(offered or [c.limit / c.window for c in limits])
         prices = clearing_prices(steady, TUNING.offered * rates)
         if prices.any():
             parts = 1.0 - TUNING.offered_deviations * _varying(rows, steady, prices, limits)

@@ -147,6 +147,7 @@ def interval_of(now: float, stream: Stream, window: float, most: float = 2.0, ne
     """
     if rate_known(now, stream, window):
         return stream.period
+    window = min(window, TUNING.rate_time)
     count = max(stream.generated - 0.5, 0.0) + TUNING.new_samples / math.sqrt(new)
     return max(stream.period, window / (most * max(stream.generated, 1)), (now - stream.began) / count)
 
@@ -158,8 +159,8 @@ def count_new(now: float, streams: Iterable[Stream], limits: Sequence[Limit]) ->
 
 
 def rate_known(now: float, stream: Stream, window: float) -> bool:
-    """Whether it is known how often a stream generates: from several samples, over a window [s]."""
-    return stream.generated >= TUNING.rate_samples and now - stream.began >= window
+    """Whether it is known how often a stream generates: from several samples, over a window [s], or long enough."""
+    return stream.generated >= TUNING.rate_samples and now - stream.began >= min(window, TUNING.rate_time)
 
 
 def _spread(stream: Stream, count: float) -> float:

@@ -27,6 +27,10 @@ class MarketTuning:
     offered_deviations: float = 2.0
     """And for so many standard deviations of what is sent in a window: else the last of many small samples took the
     room of contested ones worth much (twelve robots: 67 % of the bound, and 91 now; with one deviation 84)..."""
+    long_window: float = 5.0
+    """In longer windows [s] what was sent counts when room is given away..."""
+    long_ahead: tuple[float, ...] = (0.05, 0.1, 0.25)
+    """... for these parts of a window ahead: no more than is left then, so that nobody is silent until it passed."""
     least_offered: float = 0.5
     """... but this part of a limit is offered whatever varies."""
     varying_size: float = 0.2
@@ -51,6 +55,9 @@ class MarketTuning:
     """A new stream goes on as with half a sample less; if it is the only new one so many more."""
     rate_samples: int = 8
     """Of a stream that generated fewer samples nobody can say how often it does."""
+    rate_time: float = 2.5
+    """... nor before so long [s], or a window where that is shorter: in one of 30 s three robots with cameras sent all
+    there was for 5 s, and from 18 s on nothing for 12, alarms included."""
     untold: float = 2.0
     """News of a stream of which few samples are known are late after so many of its intervals (`Disputes._untold`)."""
     longest: float = 300.0

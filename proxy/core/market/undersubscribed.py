@@ -20,10 +20,14 @@ def need(view: SharedView, stream: Stream, limits: Sequence[Limit], now: float) 
 
 
 def _most(stream: Stream, window: float, now: float) -> float:
-    """Return how many samples a stream generates in any window: a new one no more than as many again as so far."""
+    """Return how many samples a stream generates in any window: a new one no more than as many again as so far.
+
+    In a longer one than rates take to be known so many times more.
+    """
     # In any window there may be one more than fit into it evenly.
     by_period = window / stream.period + 1.0
-    return by_period if rate_known(now, stream, window) else min(by_period, 2.0 * stream.generated)
+    known = 2.0 * stream.generated * max(1.0, window / TUNING.rate_time)
+    return by_period if rate_known(now, stream, window) else min(by_period, known)
 
 
 class Undersubscribed:

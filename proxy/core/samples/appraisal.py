@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from functools import partial
 
 from planner import Aggregation
-from proxy.core.coordination.budget import Budget, grew
+from proxy.core.coordination.budget import Budget, grew, sustained
 from proxy.core.coordination.claims import Claims, both
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Amounts, Standing, rate_known
@@ -155,7 +155,8 @@ class Appraisal:
         """Weigh anew how streams stand, if it is time to."""
         budget, disputes, before = self.budget, self.disputes, self.disputes.revision
         limits = budget.usable(now)
-        disputes.advance(now, limits, alone=budget.alone, turns=budget.turns, deciding=deciding)
+        rates = sustained(budget, now)
+        disputes.advance(now, limits, alone=budget.alone, turns=budget.turns, deciding=deciding, rates=rates)
         if disputes.revision != before:
             budget.stretch.weigh(limits, disputes.beside, disputes.contested)
             self.view.traffic.stretch(longest_window(stretched(limits, budget.stretch.planned(limits))))

@@ -8,11 +8,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from proxy.core.coordination.budget import Budget, Handover, grew
+from planner.measures import Throughput
+from proxy.core.coordination.budget import Budget, Handover, grew, sustained
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.market.room import Room
+from proxy.core.model.limits import Limit
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
 from proxy.core.view.stream import Generated, Sent
@@ -65,6 +67,22 @@ def test_a_sample_that_cannot_be_announced_yet_waits_until_it_can(make_budget):
     assert budget.lacking(1.3, (300.0,)) == ("bytes",)
     assert budget.opens(1.3, (300.0,)) == 1.8
     assert budget.opens(1.3, (1.0,)) == budget.opens(1.8, (300.0,)) == -math.inf
+
+
+def test_in_a_long_window_no_more_may_be_used_than_leaves_room_on_the_way(make_budget):
+    """Who sent much at first has less for a while, and all of it when that leaves; in a short one it counts no less."""
+    long = Limit("bytes", 20.0, 20_000.0, Throughput(20_000.0, 20.0))
+    budget, view = make_budget(long)
+    assert sustained(budget, 0.0) == (1000.0,)
+    budget.use(1.0, (7_000.0,))
+    heard(view, 1.5, 8_000)
+    assert sustained(budget, 2.0) == (1000.0,)
+    heard(view, 4.0, 3_000)
+    assert sustained(budget, 5.0) == (pytest.approx(400.0),), "2,000 B are left for the next 5 s"
+    assert sustained(budget, 20.5) == (1000.0,), "all but 3,000 B leave soon"
+    short, view = make_budget()
+    heard(view, 1.0, 900)
+    assert sustained(short, 1.5) == (1000.0,)
 
 
 def test_a_sample_waits_for_a_part_that_grows(make_budget):

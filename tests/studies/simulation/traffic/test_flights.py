@@ -1,13 +1,15 @@
 """Teams and central deciders in real traffic."""
 
+import itertools
+
 import pytest
 
-from planner import Linear, Step
+from planner import Linear, Step, Video
 from studies.simulation.traffic.flights import How, crew, fly, fly_alone
 from studies.simulation.traffic.kinds import Kind
 from studies.simulation.traffic.missions import ALONE, WARM_UP, draw, draw_from
 from studies.simulation.traffic.scores import score
-from studies.simulation.traffic.workloads import MBIT, Workload
+from studies.simulation.traffic.workloads import MBIT, SMALL, Workload
 
 
 def test_one_decider_keeps_the_limit_at_any_latency():
@@ -53,6 +55,19 @@ def test_a_large_team_keeps_the_limit_and_the_allowance_and_nobody_is_silent(tea
     assert found.told <= found.allowed
     assert found.sent > (0.65 if how.coordination == "announce" else 0.4) * found.room
     assert max(found.silence.values()) < 4.0
+
+
+def test_in_a_long_window_small_samples_go_on_after_a_team_began():
+    """It is not used up at first, as little is known of rates then, nor so that nothing goes until that leaves it."""
+    camera = Kind("camera", Video(1 / 30, 10.0), (10.0, 10.0), (5_000, 5_000))
+    workload = Workload("long", ((camera, SMALL[0]),) * 2, 0.4 * MBIT, 10.0)
+    mission = draw_from(workload, 0, 13.0, latency=0.02)
+    flight = fly(mission, How(loss=0.0), 0)
+    times = sorted(air.t for air in flight.on_air if air.frame is not None and air.frame.key.endswith("odometry"))
+    assert max(later - earlier for earlier, later in itertools.pairwise(times)) < 0.5
+    found = score(mission, flight, 0.0)
+    assert found.worst < 1.02
+    assert found.kept > 0.95
 
 
 def test_nobody_takes_what_others_say_for_hollow_where_most_samples_are_worth_nothing():
