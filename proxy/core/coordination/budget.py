@@ -12,7 +12,7 @@ from proxy.core.coordination.equal_parts import NOT_NEEDED
 from proxy.core.coordination.sends import OthersSends, OwnSends
 from proxy.core.coordination.stretch import Stretch
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.room import Openings, Room
+from proxy.core.market.room import Departures, Openings, Room
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import (
     Limit,
@@ -202,6 +202,9 @@ class Budget:
         since = now - longest_window(limits) - MARKET.closed
         departures = self._openings[wanted].after(since, self.own, others, anybodys=wanted is not Room.OWN)
         opening = departures.opens(limits, needed)
+        if limits is not usable and self.stretch.is_ordinary(use, usable):
+            beside = [self.stretch.beside(sends, usable) for sends in (self.own, others)]
+            opening = max(opening, Departures(*beside, anybodys=wanted is not Room.OWN).opens(usable, needed))
         if opening < math.inf or math.isinf(grows := coordination.grows_at(now)):
             return opening
         return max(grows, departures.opens(self.usable(grows), needed))

@@ -1,4 +1,4 @@
-"""Where messages are larger than a limit lets pass in its window, they are counted in a longer one.
+"""Where messages are larger than what a limit leaves in its window, they are counted in a longer one.
 
 It is as long as such a message takes beside what is booked. In it all that is sent keeps the limit on average, and in
 the window itself what is sent beside large messages keeps it alone: three robots that sent each other frames of 35 kB,
@@ -27,13 +27,23 @@ class Stretch:
         self._largest: Amounts = ()
         """What a sample uses of the contested stream with the largest, if they do not fit beside that; else 0."""
 
-    def weigh(self, limits: Sequence[Limit], booked: Amounts, contested: Iterable[tuple[Amounts, Amounts]]) -> None:
-        """Beside contested messages so much of each limit may be used; they use so much, and vary by so much."""
+    def weigh(
+        self,
+        limits: Sequence[Limit],
+        booked: Amounts,
+        contested: Iterable[tuple[Amounts, Amounts]],
+        sent: Amounts = (),
+    ) -> None:
+        """Beside contested messages so much of each limit may be used; they use so much, and vary by so much.
+
+        So much is `sent` whatever they need: what does not fit beside that is too large, as what exceeds the limit is.
+        """
         largest = [0.0] * len(limits)
         for use, deviation in contested:
             for k, limit in enumerate(limits):
                 least = use[k] - TUNING.larger_deviations * deviation[k]
-                if use[k] > limit.limit and least > limit.limit - booked[k]:
+                left = limit.limit - booked[k] if use[k] > limit.limit else limit.limit - (sent[k] if sent else 0.0)
+                if least > left:
                     largest[k] = max(largest[k], use[k] + deviation[k])
         self._booked, self._largest = booked, tuple(largest)
 
@@ -53,6 +63,14 @@ class Stretch:
             self._now(now, k, limits, self._needed(k, limits[k], amount), alone=alone) for k, amount in enumerate(use)
         ]
         return limits if max(windows, default=1.0) <= 1.0 else stretched(limits, windows)
+
+    def is_ordinary(self, use: Amounts, limits: Sequence[Limit]) -> bool:
+        """Whether no window is stretched for a message with this use."""
+        return all(self._windows(k, limit, use[k]) <= 1.0 for k, limit in enumerate(limits))
+
+    def beside(self, sends: Iterable[Send], limits: Sequence[Limit]) -> list[Send]:
+        """Return those sends for which no window is stretched: they keep the limit in each one without the others."""
+        return [send for send in sends if self.is_ordinary(send[1], limits)]
 
     def room(
         self, now: float, k: int, limits: tuple[Limit, ...], message: float, *, longer: float, alone: bool

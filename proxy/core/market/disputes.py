@@ -22,6 +22,7 @@ from proxy.core.market.standing import (
     rate_known,
     reserve,
     rows_of,
+    sent_apart,
 )
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.lifetimes import half_life
@@ -73,6 +74,8 @@ class Disputes:
         A little of what is priced goes at any price: streams worth 100 times as much as that, with samples larger than
         a limit, sent 2 of them in 30 s where only what is booked was kept free, and send 30.
         """
+        self.sent: Amounts = ()
+        """What of each limit all that is no decision uses in a window in the mean, whatever contested messages need."""
         self.contested: tuple[tuple[Amounts, Amounts], ...] = ()
         """What samples of each contested stream use, and by how much that varies."""
         self.settled: frozenset[Place] = frozenset()
@@ -215,7 +218,7 @@ class Disputes:
         load = [(row, w) for row, w in rows if w.standing in (Standing.UNDISPUTED, Standing.PRICED)]
         self._load = tuple([(row.stream, self._view.subscribers.copies(row.stream)) for row, _ in load])
         self._known, self._sends_of = None, {}
-        apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
+        apart = [sent_apart(row, w) for row, w in load]
         booked = reserve([row for row, _ in load], apart, limits)
         others = [(row, time) for (row, _), time in zip(load, apart, strict=True) if not self._own(row.stream)]
         self.under_way = UnderWay.of(others, len(limits))
@@ -233,6 +236,7 @@ class Disputes:
                 for amount, more, c, keep in zip(booked, presumed, limits, kept, strict=True)
             ]
         )
+        self.sent = reserve([row for row, _ in load], apart, limits, deviations=0.0)
         every = reserve([row for row, _ in load], [row.interval for row, _ in load], limits)
         self.beside = tuple(
             [

@@ -134,6 +134,11 @@ def reserve(
     return tuple(booked)
 
 
+def sent_apart(row: Row, weighed: Weighed) -> float:
+    """Return how far apart samples of a stream are sent that is no decision [s]."""
+    return weighed.apart if weighed.standing is Standing.PRICED else row.interval
+
+
 def variance_of(stream: Stream, count: float, use: float, deviation: float) -> float:
     """Return the variance of what a stream uses in a window: so many samples in the mean, each of such a use."""
     return _spread(stream, count) * use**2 + count * deviation**2

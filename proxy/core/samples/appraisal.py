@@ -158,5 +158,5 @@ class Appraisal:
         rates = sustained(budget, now)
         disputes.advance(now, limits, alone=budget.alone, turns=budget.turns, deciding=deciding, rates=rates)
         if disputes.revision != before:
-            budget.stretch.weigh(limits, disputes.beside, disputes.contested)
+            budget.stretch.weigh(limits, disputes.beside, disputes.contested, disputes.sent)
             self.view.traffic.stretch(longest_window(stretched(limits, budget.stretch.planned(limits))))

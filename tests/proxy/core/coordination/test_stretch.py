@@ -102,9 +102,21 @@ def test_what_is_sent_beside_a_large_message_keeps_the_limit_alone(make_budget):
     assert budget.lacking(4.0, (700.0,))
     assert not budget.lacking(6.0, (700.0,))
     budget.use(6.0, (700.0,))
-    heard(view, 6.0, 200)
+    heard(view, 6.1, 200)
     assert budget.lacking(6.5, (101.0,))
     assert not budget.lacking(6.5, (99.0,))
+    assert budget.opens(6.5, (101.0,)) == pytest.approx(7.0, abs=1e-5), "when what was sent beside has left"
+    assert budget.opens(6.5, (99.0,)) == -math.inf
+
+
+def test_a_message_that_does_not_fit_beside_what_is_sent_is_one_too_large_for_the_window(make_budget):
+    """Though the empty limit would hold it: it was never sent. Where some of its stream do fit these are."""
+    budget, _ = make_budget()
+    for number in range(10):
+        budget.use(0.1 * number, (5.0,))
+    for deviation, fits in ((0.0, True), (40.0, False)):
+        budget.stretch.weigh(budget.limits, (50.0,), [((980.0,), (deviation,))], (50.0,))
+        assert bool(budget.lacking(1.0, (980.0,), (1030.0,))) == (not fits)
 
 
 def test_what_messages_use_together_is_no_message_larger_than_the_limit(make_budget):
