@@ -150,8 +150,8 @@ class Team:
         competing = view.contention.all(now)
         sending = {stream.robot for stream in competing} | _unheard(view)
         self.sharers = self.members if self.large else self._find_senders()
-        share, by_turns = announcing(now), _would_go_by_turns(now, competing, self.sharing, limits)
-        dear = share > still * (TUNING.affordable_turns if by_turns else TUNING.affordable)
+        share, taken = announcing(now), _parts_taken(now, competing, self.sharing, limits)
+        dear = share > still * _affordable(taken)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
         # nobody says anything: one of four robots heard nothing of the others for 14 s, and took the whole limit.
@@ -256,15 +256,22 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
     return not any(exceeds(TUNING.announced_part, use, (limit,)) for use, limit in words)
 
 
-def _would_go_by_turns(now: float, streams: Collection[Stream], robots: int, limits: tuple[Limit, ...]) -> bool:
-    """Return whether most of what streams ask for is in messages larger than an equal part of so many robots."""
-    larger, window = 0.0, shortest_window(limits)
+def _parts_taken(now: float, streams: Collection[Stream], robots: int, limits: tuple[Limit, ...]) -> float:
+    """Return how many equal parts of so many robots a message takes, in the mean over what streams ask for."""
+    taken, asked, window = 0.0, 0.0, shortest_window(limits)
     for stream in streams:
         use = use_of(round(stream.sizes.mean), 1, limits)
         part = max([u / c.limit for u, c in zip(use, limits, strict=True) if c.shared], default=0.0)
-        asked = part / interval_of(now, stream, window)
-        larger += asked if part > 1.0 / robots else -asked
-    return larger > 0.0
+        asks = part / interval_of(now, stream, window)
+        taken, asked = taken + asks * part * robots, asked + asks
+    return taken / asked if asked else 0.0
+
+
+def _affordable(taken: float) -> float:
+    """Return which part of the allowance announcements may take where messages take so many equal parts."""
+    if taken > 1.0:
+        return TUNING.affordable_turns
+    return min(1.0, TUNING.affordable + TUNING.affordable_few * max(0.0, taken - TUNING.many_to_a_part))
 
 
 def words_take_long(view: SharedView, robots: int) -> bool:

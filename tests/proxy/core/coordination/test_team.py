@@ -44,9 +44,11 @@ def test_where_news_are_late_or_cost_too_much_a_robot_finds_that_the_team_has_to
     assert team.coordination.part(team.now, 0) == 1.0
 
 
-@pytest.mark.parametrize(("size", "affordable"), [(6_000, TUNING.affordable), (7_000, TUNING.affordable_turns)])
-def test_announcements_may_cost_more_where_messages_are_larger_than_an_equal_part(make_team, size, affordable):
-    """For of such parts they would go by turns, which have to be told, too."""
+@pytest.mark.parametrize(
+    ("size", "affordable"), [(1_000, TUNING.affordable), (3_000, 0.925), (6_000, 1.0), (7_000, TUNING.affordable_turns)]
+)
+def test_announcements_may_cost_more_the_fewer_messages_an_equal_part_holds(make_team, size, affordable):
+    """For few of them leave much of it; and larger ones would go by turns, which have to be told, too."""
     for announcing, splits in ((0.99, False), (1.01, True)):
         team = make_team(size=size)
         for _ in range(2 + round(TUNING.dear_time / TUNING.interval)):
