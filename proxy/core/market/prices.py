@@ -101,7 +101,7 @@ class Market:
                 replace(w, apart=apart) if cheaper else w
                 for w, apart, cheaper in zip(weighed, self._apart(steady, part).tolist(), little, strict=True)
             ]
-            if all(after >= before for after, before in zip(self._whole(rows, more), whole, strict=True)):
+            if all(after >= max(before, 0.0) for after, before in zip(self._whole(rows, more), whole, strict=True)):
                 return more
         return weighed
 

@@ -111,6 +111,15 @@ def test_small_samples_take_no_more_than_may_be_booked(make_row):
     assert used <= TUNING.booked * 125_000
 
 
+def test_small_samples_that_fill_a_limit_leave_nothing_to_take(make_row):
+    """They went at any price beside one camera, and wanted five times the limit."""
+    rows = make_row("camera", 5.0, 12_000), *(make_row("odometry", 100.0, 119) for _ in range(60))
+    camera, *small = weighed(*rows)
+    assert camera.standing is Standing.CONTESTED
+    assert {each.standing for each in small} == {Standing.PRICED}
+    assert sum(119 / each.apart for each in small) <= 125_000
+
+
 def test_what_earns_a_small_part_of_the_price_is_hopeless_unless_it_is_guaranteed(make_row):
     """However seldom it is sent."""
     cameras = [make_row("camera", 10.0, 26_000) for _ in range(4)]
