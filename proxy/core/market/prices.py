@@ -123,7 +123,8 @@ class Market:
         found = []
         for k, (c, amount) in enumerate(zip(self.limits, booked, strict=True)):
             use = sum(row.use[k] - smaller * row.deviation[k] for row in contested) / len(contested)
-            fit = math.floor((c.limit - amount) / use) if use > 0.0 else 0.0
+            fit = (c.limit - amount) / use if use > 0.0 else 0.0
+            fit = math.floor(fit) if fit >= 1.0 else fit  # what does not fit counts in a longer window, not as a whole
             found.append(fit if amount <= TUNING.booked * c.limit else -math.inf)
         return found
 
