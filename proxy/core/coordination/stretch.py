@@ -15,6 +15,7 @@ from proxy.core.coordination.sends import OthersSends, OwnSends
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.standing import Amounts
 from proxy.core.model.limits import Limit, Send, stretched
+from proxy.core.model.tuning import TUNING as MODEL
 
 
 class Stretch:
@@ -36,14 +37,15 @@ class Stretch:
     ) -> None:
         """Beside contested messages so much of each limit may be used; they use so much, and vary by so much.
 
-        So much is `sent` whatever they need: what does not fit beside that is too large, as what exceeds the limit is.
+        So much is `sent` whatever they need: what is bulky and does not fit beside that is too large, as what exceeds
+        the limit is.
         """
         largest = [0.0] * len(limits)
         for use, deviation in contested:
             for k, limit in enumerate(limits):
                 least = use[k] - TUNING.larger_deviations * deviation[k]
                 left = limit.limit - booked[k] if use[k] > limit.limit else limit.limit - (sent[k] if sent else 0.0)
-                if least > left:
+                if use[k] > MODEL.bulky * limit.limit and least > left:
                     largest[k] = max(largest[k], use[k] + deviation[k])
         self._booked, self._largest = booked, tuple(largest)
 

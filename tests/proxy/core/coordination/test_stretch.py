@@ -119,6 +119,15 @@ def test_a_message_that_does_not_fit_beside_what_is_sent_is_one_too_large_for_th
         assert bool(budget.lacking(1.0, (980.0,), (1030.0,))) == (not fits)
 
 
+def test_no_window_is_stretched_for_what_is_not_bulky(make_budget):
+    """A message of 6 % beside small ones that use 95: others would not know that it counts in 16 windows."""
+    budget, _ = make_budget()
+    for number in range(19):
+        budget.use(0.05 * number, (50.0,))
+    budget.stretch.weigh(budget.limits, (950.0,), [((60.0,), (0.0,))], (950.0,))
+    assert budget.lacking(0.95, (60.0,))
+
+
 def test_what_messages_use_together_is_no_message_larger_than_the_limit(make_budget):
     """For one that is smaller a window must be empty that is as much longer: each may be what another robot sends."""
     budget, _ = make_budget()
