@@ -92,14 +92,14 @@ class NotTooOften(logging.Filter):
     def __init__(self) -> None:
         super().__init__()
         self._lock = Lock()
-        self._spells: dict[str, _Spell] = {}
+        self._spells: dict[tuple[str, int], _Spell] = {}
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether `record` is logged."""
         if record.levelno < logging.INFO:
             return True
         most = AT_ONCE if record.levelno >= logging.WARNING else NEWS_AT_ONCE
-        now, reason = clock.monotonic(), _reason(record)
+        now, reason = clock.monotonic(), (_reason(record), most)
         with self._lock:
             spell = self._spells.get(reason)
             if spell is None or now >= spell.since + PERIOD:
@@ -110,7 +110,7 @@ class NotTooOften(logging.Filter):
             spell.left_out += spell.logged > most
             return spell.logged <= most
 
-    def _begin(self, now: float, reason: str) -> _Spell:
+    def _begin(self, now: float, reason: tuple[str, int]) -> _Spell:
         if len(self._spells) >= REASONS:
             del self._spells[next(iter(self._spells))]
         self._spells.pop(reason, None)

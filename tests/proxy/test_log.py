@@ -195,6 +195,15 @@ def test_of_what_is_no_warning_more_is_logged(logged, time):
     assert stream.getvalue().splitlines()[-1].endswith("robot 200 is on the mesh (5 more like it were left out)")
 
 
+def test_news_take_no_room_of_warnings(logged):
+    """Clocks that agree again, of ten robots, left out the warning that one is wrong."""
+    stream = logged()
+    for number in range(AT_ONCE):
+        log.info("%s", f"the clock of robot {number} is right", extra={"reason": "clock"})
+    log.warning("%s", "the clock of robot 7 is wrong", extra={"reason": "clock"})
+    assert stream.getvalue().splitlines()[-1].endswith("the clock of robot 7 is wrong")
+
+
 def test_reasons_without_end_take_no_memory_without_end(logged):
     """The oldest is forgotten, and begins anew."""
     stream = logged()
