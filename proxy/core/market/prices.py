@@ -86,20 +86,15 @@ class Market:
         """Let priced streams send more often, where as many whole contested messages fit beside that as before.
 
         Prices know nothing of whole messages: of three robots with cameras of 25 kB and odometry of 50 Hz on 2 Mbit/s
-        half of the odometry was left out, though a quarter of the limit was not used. Only of messages that need not be
-        announced: else nobody knows in time of them all (six robots: 54 % of the windows over).
+        half of the odometry was left out, though a quarter of the limit was not used.
         """
-        little = [
-            w.standing is Standing.PRICED and row.takes_at_most(MODEL.large, self.limits)
-            for row, w in zip(rows, weighed, strict=True)
-        ]
-        if not any(little) or all(w.standing is not Standing.CONTESTED for w in weighed):
+        if not {Standing.PRICED, Standing.CONTESTED} <= {w.standing for w in weighed}:
             return weighed
         whole = self._whole(rows, weighed, deviations=0.0, smaller=TUNING.smaller_deviations)
         for part in TUNING.cheaper:
             more = [
-                replace(w, apart=apart) if cheaper else w
-                for w, apart, cheaper in zip(weighed, self._apart(steady, part).tolist(), little, strict=True)
+                replace(w, apart=apart) if w.standing is Standing.PRICED else w
+                for w, apart in zip(weighed, self._apart(steady, part).tolist(), strict=True)
             ]
             if all(after >= max(before, 0.0) for after, before in zip(self._whole(rows, more), whole, strict=True)):
                 return more
