@@ -7,7 +7,7 @@ streams one decider filled 82 % of 1 Mbit/s for one robot and 90 for four so, an
 
 import math
 from collections import defaultdict, deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from proxy.core.market.room import at_pace, pace_part
@@ -19,10 +19,10 @@ from proxy.core.market.standing import (
     UnderWay,
     Weighed,
     count_new,
+    load_of,
     rate_known,
     reserve,
     rows_of,
-    sent_apart,
 )
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.lifetimes import half_life
@@ -95,11 +95,11 @@ class Disputes:
         alone: bool,
         turns: bool = False,
         deciding: Stream | None = None,
-        rates: Amounts = (),
+        rates: Callable[[float], Amounts] | None = None,
     ) -> None:
         """Weigh the streams that compete for these limits, ours `alone` or those of all, if it is time to.
 
-        They may use so much of each in a second: these `rates`, if known, else the limits' own.
+        They may use so much of each in a second by now: these `rates`, if known, else the limits' own.
         Without those that are larger, if these take `turns`. Sooner for the one `deciding`, if it is new, or generated
         half as many then.
         """
@@ -123,7 +123,7 @@ class Disputes:
         if rows:
             from proxy.core.market.prices import Market
 
-            self._market, steady = Market.of(rows, limits, view.settings.horizon, rates)
+            self._market, steady = Market.of(rows, limits, view.settings.horizon, rates(now) if rates else ())
             weighed = self._market.weigh(rows, steady)
         self._weighed = dict(zip(places, weighed, strict=True))
         self.revision += 1
@@ -215,14 +215,13 @@ class Disputes:
         """Book what is no decision."""
         limits = self._limits
         contested = [row for row, w in rows if w.standing is Standing.CONTESTED]
-        load = [(row, w) for row, w in rows if w.standing in (Standing.UNDISPUTED, Standing.PRICED)]
-        self._load = tuple([(row.stream, self._view.subscribers.copies(row.stream)) for row, _ in load])
+        load, apart = load_of(rows)
+        self._load = tuple([(row.stream, self._view.subscribers.copies(row.stream)) for row in load])
         self._known, self._sends_of = None, {}
-        apart = [sent_apart(row, w) for row, w in load]
-        booked = reserve([row for row, _ in load], apart, limits)
-        others = [(row, time) for (row, _), time in zip(load, apart, strict=True) if not self._own(row.stream)]
+        booked = reserve(load, apart, limits)
+        others = [(row, time) for row, time in zip(load, apart, strict=True) if not self._own(row.stream)]
         self.under_way = UnderWay.of(others, len(limits))
-        presumed = self._presumed(now, [row for row, _ in load], apart, self._untold(now, rows))
+        presumed = self._presumed(now, load, apart, self._untold(now, rows))
         kept = [
             max(
                 (r.use[k] - TUNING.smaller_deviations * r.deviation[k] for r in contested if r.use[k] <= c.limit),
@@ -236,8 +235,8 @@ class Disputes:
                 for amount, more, c, keep in zip(booked, presumed, limits, kept, strict=True)
             ]
         )
-        self.sent = reserve([row for row, _ in load], apart, limits, deviations=0.0)
-        every = reserve([row for row, _ in load], [row.interval for row, _ in load], limits)
+        self.sent = reserve(load, apart, limits, deviations=0.0)
+        every = reserve(load, [row.interval for row in load], limits)
         self.beside = tuple(
             [
                 max(amount, min(more, TUNING.booked * c.limit))

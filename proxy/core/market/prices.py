@@ -7,7 +7,7 @@ small streams under 2 Mbit/s one decider reached 99 % of the bound so at 0.4 ms 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -18,7 +18,7 @@ from planner.received import integrals
 from planner.steady import INTERVALS, Steady, clearing_prices
 from planner.utility import Floats
 from planner.utility.base import told_apart
-from proxy.core.market.standing import Amounts, Row, Standing, Weighed, reserve, sent_apart, variance_of
+from proxy.core.market.standing import Amounts, Row, Standing, Weighed, load_of, reserve, variance_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, longest_window
 from proxy.core.model.tuning import TUNING as MODEL
@@ -60,7 +60,7 @@ class Market:
         marginal, _ = steady.marginal
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             last, first = (np.where(cost > 0.0, marginal[:, at] / cost, math.inf) for at in (0, -1))
-        each = (of.tolist() for of in (last, first, self._apart(steady), cost, marginal[:, 0], marginal[:, -1]))
+        each = (of.tolist() for of in (last, first, _apart(steady, cost), cost, marginal[:, 0], marginal[:, -1]))
         weighed = [
             Weighed(
                 self._standing(row, of_last, of_first),
@@ -76,12 +76,6 @@ class Market:
         ]
         return self._with_the_rest(rows, steady, weighed)
 
-    def _apart(self, steady: Steady, part: float = 1.0) -> Floats:
-        """Return at which interval each stream sends where room costs this part of its price [s]; ∞: never."""
-        net = steady.value - steady.rate * part * steady.charge(np.array(self.prices))[:, None]
-        best, pays = steady.pays_best(net)
-        return np.where(pays, steady.apart[np.arange(len(best)), best], math.inf)
-
     def _with_the_rest(self, rows: Sequence[Row], steady: Steady, weighed: list[Weighed]) -> list[Weighed]:
         """Let priced streams send more often, where as many whole contested messages fit beside that as before.
 
@@ -90,37 +84,31 @@ class Market:
         """
         if not {Standing.PRICED, Standing.CONTESTED} <= {w.standing for w in weighed}:
             return weighed
-        whole = self._whole(rows, weighed, deviations=0.0, smaller=TUNING.smaller_deviations)
+        contested = [row for row, w in zip(rows, weighed, strict=True) if w.standing is Standing.CONTESTED]
+        mean = np.array([row.use for row in contested]).mean(axis=0)
+        smaller = mean - TUNING.smaller_deviations * np.array([row.deviation for row in contested]).mean(axis=0)
+        before = self._whole(zip(rows, weighed, strict=True), smaller.tolist(), deviations=0.0)
+        cost = np.array([w.cost for w in weighed])
         for part in TUNING.cheaper:
             more = [
                 replace(w, apart=apart) if w.standing is Standing.PRICED else w
-                for w, apart in zip(weighed, self._apart(steady, part).tolist(), strict=True)
+                for w, apart in zip(weighed, _apart(steady, part * cost).tolist(), strict=True)
             ]
-            if all(after >= max(before, 0.0) for after, before in zip(self._whole(rows, more), whole, strict=True)):
+            after = self._whole(zip(rows, more, strict=True), mean.tolist(), TUNING.reserve_deviations)
+            if all(fit >= max(least, 0.0) for fit, least in zip(after, before, strict=True)):
                 return more
         return weighed
 
-    def _whole(
-        self,
-        rows: Sequence[Row],
-        weighed: Sequence[Weighed],
-        deviations: float = TUNING.reserve_deviations,
-        smaller: float = 0.0,
-    ) -> list[float]:
-        """Return how many whole contested messages of each limit fit beside the others; −∞ where these fill it.
+    def _whole(self, weighed: Iterable[tuple[Row, Weighed]], use: Sequence[float], deviations: float) -> list[float]:
+        """Return how many whole messages with this use of each limit fit beside streams that vary by so much.
 
-        The others vary by so many `deviations`, and contested messages are so many `smaller` than the mean.
+        −∞ where these fill the limit.
         """
-        both = list(zip(rows, weighed, strict=True))
-        contested = [row for row, w in both if w.standing is Standing.CONTESTED]
-        load = [(row, w) for row, w in both if w.standing in (Standing.UNDISPUTED, Standing.PRICED)]
-        booked = reserve([row for row, _ in load], [sent_apart(row, w) for row, w in load], self.limits, deviations)
-        found = []
-        for k, (c, amount) in enumerate(zip(self.limits, booked, strict=True)):
-            use = sum(row.use[k] - smaller * row.deviation[k] for row in contested) / len(contested)
-            fit = (c.limit - amount) / use if use > 0.0 else 0.0
+        found, booked = [], reserve(*load_of(weighed), self.limits, deviations)
+        for limit, amount, each in zip(self.limits, booked, use, strict=True):
+            fit = (limit.limit - amount) / each if each > 0.0 else 0.0
             fit = math.floor(fit) if fit >= 1.0 else fit  # what does not fit counts in a longer window, not as a whole
-            found.append(fit if amount <= TUNING.booked * c.limit else -math.inf)
+            found.append(fit if amount <= TUNING.booked * limit.limit else -math.inf)
         return found
 
     def weigh_new(self, row: Row) -> Weighed:
@@ -145,6 +133,12 @@ class Market:
         if first <= TUNING.hopeless:
             return Standing.HOPELESS
         return Standing.PRICED if small and kind.markovian else Standing.CONTESTED
+
+
+def _apart(steady: Steady, cost: Floats) -> Floats:
+    """Return at which interval each stream sends whose messages cost so much [s]; ∞: never."""
+    best, pays = steady.pays_best(steady.value - steady.rate * cost[:, None])
+    return np.where(pays, steady.apart[np.arange(len(best)), best], math.inf)
 
 
 def _small(rows: Sequence[Row], limits: Sequence[Limit], horizon: int) -> float:

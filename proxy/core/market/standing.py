@@ -134,9 +134,11 @@ def reserve(
     return tuple(booked)
 
 
-def sent_apart(row: Row, weighed: Weighed) -> float:
-    """Return how far apart samples of a stream are sent that is no decision [s]."""
-    return weighed.apart if weighed.standing is Standing.PRICED else row.interval
+def load_of(weighed: Iterable[tuple[Row, Weighed]]) -> tuple[list[Row], list[float]]:
+    """Return the streams that are no decision and go beside contested ones, and how far apart each sends [s]."""
+    load = [(row, w) for row, w in weighed if w.standing in (Standing.UNDISPUTED, Standing.PRICED)]
+    apart = [w.apart if w.standing is Standing.PRICED else row.interval for row, w in load]
+    return [row for row, _ in load], apart
 
 
 def variance_of(stream: Stream, count: float, use: float, deviation: float) -> float:

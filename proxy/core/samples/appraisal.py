@@ -155,7 +155,7 @@ class Appraisal:
         """Weigh anew how streams stand, if it is time to."""
         budget, disputes, before = self.budget, self.disputes, self.disputes.revision
         limits = budget.usable(now)
-        rates = sustained(budget, now)
+        rates = partial(sustained, budget)
         disputes.advance(now, limits, alone=budget.alone, turns=budget.turns, deciding=deciding, rates=rates)
         if disputes.revision != before:
             budget.stretch.weigh(limits, disputes.beside, disputes.contested, disputes.sent)
