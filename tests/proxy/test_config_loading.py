@@ -262,6 +262,14 @@ BROKEN = {
         '[app.zenoh]\nmode = "boss"',
         ("2: app.zenoh.mode: Zenoh refuses it: unknown variant `boss`, expected one of `router`, `peer`, `client`"),
     ),
+    "zenoh app mode": (
+        '[app.zenoh]\nmode = "client"',
+        '2: app.zenoh.mode: must be "router" if it is set: the daemon is that on this side',
+    ),
+    "zenoh mesh mode": (
+        '[mesh.zenoh]\nmode = "client"',
+        '2: mesh.zenoh.mode: must be "peer" if it is set: the daemon is that on this side; mesh.mode says how robots meet',
+    ),
     "no TOML": ("robot = r1", '1: not valid TOML: Invalid value (column 9); text and quantities stand in quotes: "r1"'),
     "key twice": (
         'robot = "a"\nrobot = "b"\n[log]',
