@@ -268,8 +268,10 @@ BROKEN = {
     ),
     "zenoh mesh mode": (
         '[mesh.zenoh]\nmode = "client"',
-        '2: mesh.zenoh.mode: must be "peer" if it is set: '
-        "the daemon is that on this side; mesh.mode says how robots meet",
+        (
+            '2: mesh.zenoh.mode: must be "peer" if it is set: '
+            "the daemon is that on this side; mesh.mode says how robots meet"
+        ),
     ),
     "no TOML": ("robot = r1", '1: not valid TOML: Invalid value (column 9); text and quantities stand in quotes: "r1"'),
     "key twice": (
