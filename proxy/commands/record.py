@@ -66,11 +66,16 @@ def _run(daemon: Client, robot: str, arguments: argparse.Namespace) -> int:
             daemon.record(robot, {"record": "stop"})
             print(f"sendworthy record: the daemon cannot record: {told['problem']}", file=sys.stderr)
             return exit_codes.FAILED
-        print(f"robot {robot} records to {told['file']}", flush=True)
+        begun = f"robot {robot} records to {told['file']}"
         if arguments.on:
+            print(begun)
             return exit_codes.OK
-        _wait(daemon, robot, arguments.seconds, asked)
-        return _ended(daemon.record(robot, {"record": "stop"}))
+        try:
+            print(begun, flush=True)
+            _wait(daemon, robot, arguments.seconds, asked)
+        finally:  # where nobody reads what is printed, too: a pipe that is closed, a terminal that was hung up
+            told = daemon.record(robot, {"record": "stop"})
+        return _ended(told)
 
 
 def _wait(daemon: Client, robot: str, seconds: float | None, asked: Requests) -> None:

@@ -67,6 +67,18 @@ def test_ctrl_c_ends_it_in_order(daemon, tmp_path):
     assert not reader.problems
 
 
+def test_it_ends_where_nobody_reads_what_it_prints(daemon, capsys):
+    """A pipe that is closed: the daemon would record until its folder is full."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "proxy.cli", "record", "--connect", daemon.endpoint]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=writing)
+    os.close(writing)
+    process.wait(timeout=60)
+    assert record(daemon, "--off") == exit_codes.FAILED
+    assert capsys.readouterr().err == "sendworthy record: the daemon refuses: it does not record\n"
+
+
 def test_a_daemon_that_cannot_record_is_told(start, tmp_path, capsys):
     """The reason is in the message, and nothing goes on."""
     (tmp_path / "file").write_text("")
