@@ -73,7 +73,7 @@ def _run(daemon: Client, robot: str, arguments: argparse.Namespace) -> int:
         try:
             print(begun, flush=True)
             _wait(daemon, robot, arguments.seconds, asked)
-        finally:  # where nobody reads what is printed, too: a pipe that is closed, a terminal that was hung up
+        finally:  # where nobody reads what is printed, too, as of a pipe that is closed
             told = daemon.record(robot, {"record": "stop"})
         return _ended(told)
 
