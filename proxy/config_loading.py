@@ -155,7 +155,7 @@ def _check_zenoh_mode(values: Mapping[str, Any], path: tuple[str, ...], mode: An
     """Refuse what a side cannot be: as a client Zenoh does not start, as a peer it does not bridge all applications."""
     side = values[path[0]]
     needed = "router" if path[0] == "app" or side.get("mode") == "client" else "peer"
-    if mode in {"router", "peer", "client"} - {needed}:
+    if isinstance(mode, str) and mode in {"router", "peer", "client"} - {needed}:
         other = "" if path[0] == "app" else "; mesh.mode says how robots meet"
         problems.at((*path, "mode"), f'must be "{needed}" if it is set: the daemon is that on this side{other}')
 

@@ -258,6 +258,10 @@ BROKEN = {
         "[mesh.zenoh.transport.link.tx]\nlese = 5",
         '2: mesh.zenoh.transport.link.tx.lese: unknown key of Zenoh (did you mean "lease"?)',
     ),
+    "zenoh mode is a table": (
+        '[app.zenoh.mode]\nrouter = "x"',
+        "2: app.zenoh.mode.router: unknown key of Zenoh",
+    ),
     "zenoh wrong value": (
         '[app.zenoh]\nmode = "boss"',
         ("2: app.zenoh.mode: Zenoh refuses it: unknown variant `boss`, expected one of `router`, `peer`, `client`"),

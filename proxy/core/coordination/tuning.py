@@ -174,7 +174,7 @@ class CoordinationTuning:
     few_deviations: float = 4.0
     """And for as many more as this divided by the robots: half of it left six robots with 3.8 % of the windows over."""
     turn_parts: float = 1.5
-    """What is larger than so many equal parts goes by turns in a large team."""
+    """What is larger than so many equal parts goes by turns."""
     turn_step: float = 1.15
     """Robots are rounded up to a power of this for turns."""
     turn_size: float = 1.05
