@@ -277,6 +277,13 @@ BROKEN = {
             "the daemon is that on this side; mesh.mode says how robots meet"
         ),
     ),
+    "zenoh mesh mode of a client": (
+        '[mesh]\nmode = "client"\nconnect = ["tcp/10.0.0.1:7447"]\n[mesh.zenoh]\nmode = "peer"',
+        (
+            '5: mesh.zenoh.mode: must be "router" if it is set: '
+            "the daemon is that on this side; mesh.mode says how robots meet"
+        ),
+    ),
     "no TOML": ("robot = r1", '1: not valid TOML: Invalid value (column 9); text and quantities stand in quotes: "r1"'),
     "key twice": (
         'robot = "a"\nrobot = "b"\n[log]',

@@ -121,14 +121,14 @@ def test_small_messages_need_no_turn(make_turns):
     assert ClockTurns(0.0, [WINDOW]).turn(1.0, 0, 0.3) == NOT_NEEDED
 
 
-PACE = 0.25
-
-
 @pytest.mark.parametrize(("part", "needed"), [(0.31, True), (0.15, False)])
 def test_turns_are_needed_for_messages_much_larger_than_an_equal_part(make_turns, part, needed):
     """Of seven robots each has a seventh, and such messages of several at once are more than the limit."""
     assert make_turns(7, 2, part).needed is needed
     assert make_turns(7, 2, 0.02, told=part, tellers=6).needed is needed
+
+
+PACE = 0.25
 
 
 def looked(overbooking, used, robots=50, seconds=30.0, now=0.0):
