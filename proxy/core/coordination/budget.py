@@ -176,6 +176,11 @@ class Budget:
             for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
         )
 
+    def by_turn(self, now: float, use: tuple[float, ...]) -> bool:
+        """Whether a message goes by turns of the clock: in ours it takes nothing from anybody."""
+        coordination = self.coordination
+        return coordination.equal.by_clock and _next_turn(self, coordination, now, use) > -math.inf
+
     def opens(
         self, now: float, use: tuple[float, ...], wanted: Room = Room.OWN, total: tuple[float, ...] = ()
     ) -> float:

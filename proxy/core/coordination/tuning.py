@@ -174,11 +174,14 @@ class CoordinationTuning:
     few_deviations: float = 4.0
     """And for as many more as this divided by the robots: half of it left six robots with 3.8 % of the windows over."""
     turn_parts: float = 1.5
-    """What is larger than so many equal parts goes by turns."""
+    """Where messages are larger than so many equal parts, all that are larger than one go by turns."""
     turn_step: float = 1.15
-    """Robots are rounded up to a power of this for turns."""
+    """The robots of a large team are rounded up to a power of this for turns..."""
     turn_size: float = 1.05
-    """Slots are so much larger than the largest message as a rule."""
+    """... and its slots are so much larger than its largest messages: 28 cameras that broadcast reach 10 % more."""
+    turn_price: float = 1.15
+    """Before a turn all that was sent counts so many times, as what others send beside varies: of twelve robots 4.7 %
+    of the windows were over without that, now 1.4."""
     turn_time: float = 0.1
     """A turn lasts for this part of a window, as clocks differ: samples wait for it..."""
     turn_guard: float = 0.05

@@ -7,10 +7,11 @@ from itertools import pairwise
 import pytest
 
 from proxy.core.coordination.equal_parts import NOT_NEEDED, ClockTurns, Overbooking
+from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.messages import StreamState
+from proxy.core.protocol.messages import State, StreamState
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView
 from tests.proxy.core.coordination.conftest import WINDOW, names
@@ -23,10 +24,11 @@ STEP = 0.01
 def make_turns(make_specs):
     """The turns of the robot at a `place` among so many, whose messages take this part of the limit.
 
-    Of the others so many `tellers` have such that take another one, which they have `told`.
+    Of the others so many `tellers` have such that take another one, which they have `told`. Beside them are
+    `listeners`, which say in their states that they have nothing to send.
     """
 
-    def make(robots, place, part, *, told=0.0, tellers=0, ahead=0.0):
+    def make(robots, place, part, *, told=0.0, tellers=0, ahead=0.0, listeners=()):
         own = f"p{place - 1:02d}x" if place else "a"
         specs = make_specs(window=WINDOW)
         view, limits = SharedView(CoreSettings("r1", own), specs), limits_of(specs, 0.02, robots)
@@ -40,8 +42,12 @@ def make_turns(make_specs):
             theirs, key = round((told if number < tellers else part) * limits[0].limit), f"robot/{name}/camera"
             view.peers[name].told[key] = StreamState(1, key, "camera", 0.5, size=theirs)
         view.clocks.offset = ahead
-        turns = ClockTurns(0.0, [WINDOW])
-        turns.look(view, limits, frozenset(others))
+        for name in listeners:
+            view.add_peer(0.0, name, name)
+            view.peers[name].state = State(name, name, "enforce", "")
+        team, turns = Team(view, 0.0), ClockTurns(0.0, [WINDOW])
+        team.set_members(view.peers)
+        turns.look(view, limits, team)
         return turns
 
     return make
@@ -62,15 +68,17 @@ def sends(turns, part, *, seconds=60.0, small=0.0):
     return found
 
 
-@pytest.mark.parametrize(("robots", "part"), [(26, 0.07), (30, 0.11), (50, 0.04), (40, 0.3), (6, 0.34), (4, 0.6)])
+@pytest.mark.parametrize(
+    ("robots", "part"), [(26, 0.07), (30, 0.11), (50, 0.04), (40, 0.3), (6, 0.34), (4, 0.6), (6, 0.25), (12, 0.49)]
+)
 def test_no_window_has_more_turns_than_there_is_room_for(make_turns, robots, part):
     """However many robots there are, and however large a message is; at most two fifths of the room are left."""
-    each = [sends(make_turns(robots, place, part), part) for place in range(robots)]
+    each = [sends(make_turns(robots, place, part), part, seconds=90.0) for place in range(robots)]
     assert all(each)
     start = max(times[0] for times in each)
     turns = sorted(t for times in each for t in times if t >= start)
     most = max(sum(t <= other < t + WINDOW for other in turns) for t in turns)
-    fitting = math.floor(1.0 / (TUNING.turn_size * part))
+    fitting = math.floor(1.0 / (part * (TUNING.turn_size if robots > TUNING.large_team else 1.0)))
     assert 0.6 * fitting <= most <= fitting
 
 
@@ -78,6 +86,14 @@ def test_who_misses_some_of_the_others_has_nearly_the_same_turns(make_turns):
     """Else the turns of robots that do not hear all would lie anywhere."""
     all_heard, some = sends(make_turns(49, 20, 0.04), 0.04), sends(make_turns(46, 19, 0.04), 0.04)
     assert all_heard == pytest.approx(some, abs=0.1 * WINDOW)
+
+
+def test_who_only_listens_has_no_turn_in_a_small_team(make_turns):
+    """All know that by states; of a large team not all are known, so all have turns."""
+    listeners = ("b0", "zz")
+    for robots, left in ((6, False), (TUNING.large_team + 5, True)):
+        plain, beside = (sends(make_turns(robots, 2, 0.3, listeners=those), 0.3) for those in ((), listeners))
+        assert (plain != beside) is left
 
 
 def test_all_have_the_turns_of_the_largest_messages_that_states_tell_of(make_turns):
@@ -94,7 +110,7 @@ def test_who_alone_has_large_messages_sends_them_as_its_part_allows(make_turns):
     """Small ones beside them do not use up what it saves."""
     times = sends(make_turns(10, 3, 0.3, told=0.001, tellers=9), 0.3, seconds=200.0, small=0.2 * 0.1 / WINDOW)
     apart = [later - earlier for earlier, later in pairwise(times)]
-    assert 0.3 * 10 * WINDOW < min(apart) < max(apart) < 1.5 * 0.3 * 10 * WINDOW
+    assert 0.3 * 10 * WINDOW < min(apart) < max(apart) < 1.6 * 0.3 * 10 * WINDOW
 
 
 def test_turns_are_by_the_wall_clock(make_turns):
@@ -109,15 +125,16 @@ def test_turns_are_by_the_wall_clock(make_turns):
 def test_who_uses_its_part_for_small_samples_has_few_turns(make_turns):
     """What they leave of it is saved for a large message; nobody saves more than for one."""
     part, ours, all_paid = 0.3, 0.1 / WINDOW, 0.3 * 10 * WINDOW
-    beside = sends(make_turns(10, 3, part), part, seconds=200.0, small=0.8 * ours)
+    beside = sends(make_turns(10, 3, part), part, seconds=200.0, small=0.8 * ours / TUNING.turn_price)
     apart = [later - earlier for earlier, later in pairwise(beside)]
     assert 4.0 * all_paid < min(apart) < max(apart) < 8.0 * all_paid, "a fifth is left for it"
     assert sends(make_turns(10, 3, part), part, small=1.1 * ours) == []
 
 
-def test_small_messages_need_no_turn(make_turns):
+def test_messages_no_larger_than_a_part_need_no_turn(make_turns):
     """Nor does any while nobody has sent anything of which the size is known."""
     assert make_turns(10, 3, 0.3).turn(1.0, 0, 0.1) == NOT_NEEDED
+    assert make_turns(10, 3, 0.3).turn(1.0, 0, 0.11) != NOT_NEEDED
     assert ClockTurns(0.0, [WINDOW]).turn(1.0, 0, 0.3) == NOT_NEEDED
 
 

@@ -79,6 +79,19 @@ def test_nobody_takes_what_others_say_for_hollow_where_most_samples_are_worth_no
     assert not any(core.coordination.keeps for core in flight.cores.values())
 
 
+@pytest.mark.full
+def test_messages_much_larger_than_a_part_use_their_turns():
+    """Each waits for the next turn of its robot, however soon another sample may come; an operator has none."""
+    frames = Kind("frames", Step(1.0, 2.0), (7.0, 9.0), (8_200, 9_000), at_random=True)
+    workload = Workload("frames", ((frames,),) * 12, 0.3 * MBIT, 1.0)
+    mission = draw_from(workload, 0, WARM_UP + 10.0, latency=0.002)
+    flight = fly(mission, How(loss=0.0), 0)
+    assert all(core.coordination.equal.by_clock for robot, core in flight.cores.items() if robot != "op")
+    found = score(mission, flight, 0.0)
+    assert found.over == 0.0
+    assert found.fill > 0.55
+
+
 def test_further_settings_are_the_cores():
     """By their names; one that the core does not have is refused."""
     mission = draw("random", 2, 0, 2.0, latency=0.02)
