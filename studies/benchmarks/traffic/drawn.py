@@ -18,7 +18,7 @@ from studies.benchmarks.report import Table, machine, write_page
 from studies.benchmarks.traffic.agenda import draw
 from studies.benchmarks.traffic.figures import Best, Figures, Worth, best, figures, reached
 from studies.benchmarks.traffic.flight import fly
-from studies.simulation.traffic.drawn import Drawn, drawn_by
+from studies.simulation.traffic.drawn import Drawn, drawn_by, first_seed
 
 COLUMNS = (
     "workload",
@@ -89,7 +89,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument(
+        "--first", type=int, default=first_seed(datetime.now(UTC).date()), help="first seed (default: by the day)"
+    )
     parser.add_argument("--seeds", type=int, default=120, help="so many of them are drawn (default: 120)")
     parser.add_argument("--robots", type=int, default=4, help="teams of so many at most (default: 4)")
     parser.add_argument("--seconds", type=float, default=25.0, help="length of each flight (default: 25)")

@@ -2,7 +2,8 @@
 
 `python -m studies.simulation.traffic.drawn` prints one line for each, and writes a page of the worst. Workloads that
 were chosen are those a coordination was tuned on; each of the first drawn ones that reached less than 70 % of central
-showed a fault.
+showed a fault. What is flown again and again is tuned on, too: other seeds reached 92.6 % in the mean where those had
+reached 95.1. So each day draws its own, unless a first seed is named.
 """
 
 import argparse
@@ -10,7 +11,7 @@ import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +98,11 @@ class Reached:
     fills: tuple[float, float]
 
 
+def first_seed(day: date) -> int:
+    """Return the first of the seeds that nothing was tuned on before that day: the day's number, and three digits."""
+    return 1000 * int(f"{day:%Y%m%d}")
+
+
 def drawn_by(seed: int) -> Drawn:
     """Draw a workload."""
     draw = np.random.default_rng(seed)
@@ -145,23 +151,28 @@ def line(found: Reached) -> str:
 
 def tables(found: Sequence[Reached], seconds: float) -> list[Table]:
     """Return how much was reached, the worst, and where most windows were over the limit."""
-    parts = np.array([each.part for each in found])
-    shares = [f"{np.quantile(parts, quantile):.1%}" for quantile in (0.0, 0.05, 0.1, 0.25, 0.5)]
-    over = np.mean([each.over for each in found])
     note = f"{len(found)} workloads, flights of {seconds:g} s; without loss."
+    transports = sorted({each.drawn.how.transport for each in found})
     worst = sorted(found, key=lambda each: each.part)[:SHOWN]
     fullest = sorted([each for each in found if each.over > 0.0], key=lambda each: -each.over)[:SHOWN_OVER]
     columns = ("workload", "of central", "windows over", "fullest", "fill", "fill of central")
     return [
         Table(
             "Utility, of one central decider's",
-            ("least", "5 %", "10 %", "25 %", "median", "windows over"),
-            ((*shares, f"{over:.1%}"),),
+            ("transport", "workloads", "mean", "least", "5 %", "10 %", "25 %", "median", "windows over"),
+            tuple(_summary(name, [each for each in found if each.drawn.how.transport == name]) for name in transports),
             note,
         ),
         Table("The worst", columns, _rows(worst), "Sizes in limits; fill: bytes sent of what limit or offer allow."),
         Table("Most windows over the limit", columns, _rows(fullest)),
     ]
+
+
+def _summary(transport: str, found: Sequence[Reached]) -> tuple[str, ...]:
+    parts = np.array([each.part for each in found])
+    shares = [parts.mean(), *(np.quantile(parts, quantile) for quantile in (0.0, 0.05, 0.1, 0.25, 0.5))]
+    over = np.mean([each.over for each in found])
+    return transport, str(len(found)), *(f"{share:.1%}" for share in shares), f"{over:.1%}"
 
 
 def _rows(found: Sequence[Reached]) -> tuple[tuple[str, ...], ...]:
@@ -180,7 +191,9 @@ def _rows(found: Sequence[Reached]) -> tuple[tuple[str, ...], ...]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Fly what seeds draw; print each, and write the page if a file is named."""
     parser = argparse.ArgumentParser(prog="python -m studies.simulation.traffic.drawn", description=__doc__)
-    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument(
+        "--first", type=int, default=first_seed(datetime.now(UTC).date()), help="first seed (default: by the day)"
+    )
     parser.add_argument("--seeds", type=int, default=240)
     parser.add_argument("--seconds", type=float, default=30.0, help="of a flight, 5 s of warm-up included")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
@@ -193,7 +206,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 found.append(each)
                 print(line(each), flush=True)
     if options.output and found:
-        command = "python -m studies.simulation.traffic.drawn"
+        command = f"python -m studies.simulation.traffic.drawn --first {options.first} --seeds {options.seeds}"
         title = "Drawn workloads in simulation"
         write_page(options.output, title, tables(found, options.seconds), datetime.now(UTC), command)
     return 0

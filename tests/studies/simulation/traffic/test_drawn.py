@@ -1,5 +1,7 @@
 """Workloads that are drawn: what is flown, and what is written of it."""
 
+from datetime import date
+
 from studies.simulation.traffic import drawn
 
 
@@ -7,6 +9,13 @@ def test_a_seed_draws_the_same_workload_again():
     """Another one draws another."""
     assert drawn.drawn_by(3) == drawn.drawn_by(3)
     assert drawn.drawn_by(3).label != drawn.drawn_by(4).label
+
+
+def test_each_day_has_its_own_seeds():
+    """However many are drawn."""
+    today, next_day = (drawn.first_seed(date(2026, 12, day)) for day in (30, 31))
+    assert next_day >= today + 1000
+    assert drawn.drawn_by(today).label != drawn.drawn_by(next_day).label
 
 
 def test_what_offers_less_than_the_limit_is_not_flown():
@@ -27,13 +36,16 @@ def test_the_page_shows_the_worst_first(tmp_path, capsys):
     (printed,) = capsys.readouterr().out.splitlines()
     assert drawn.drawn_by(first).label in printed
     assert drawn.drawn_by(first).label in page.read_text()
+    assert f"--first {first} --seeds 1" in page.read_text()
 
 
 def test_the_worst_are_shown_first():
     """However many were flown."""
     found = [drawn.Reached(drawn.drawn_by(seed), seed / 100, 0.0, 1.0, (0.5, 0.9)) for seed in range(60, 10, -1)]
-    (summary,), worst = drawn.tables(found, 30.0)[0].rows, drawn.tables(found, 30.0)[1].rows
-    assert summary[0] == "11.0%"
+    summary, worst = drawn.tables(found, 30.0)[0].rows, drawn.tables(found, 30.0)[1].rows
+    assert [row[0] for row in summary] == ["broadcast", "unicast"]
+    assert sum(int(row[1]) for row in summary) == len(found)
+    assert min(row[3] for row in summary) == "11.0%"
     assert [row[1] for row in worst] == [f"{seed}.0%" for seed in range(11, 11 + drawn.SHOWN)]
 
 
