@@ -167,15 +167,6 @@ class Budget:
             at = max(at, self.own.exceeded_since(k, room - use[k]) + limit.window + MARKET.closed)
         return at
 
-    def in_turn(self, now: float, use: tuple[float, ...]) -> bool:
-        """Whether a message has room as it is our turn by the clock, which plans know nothing of: our part would do."""
-        if not self.coordination.equal.by_clock:
-            return False
-        return any(
-            amount <= self.whole(now, k) and self.coordination.turn(now, k, limit, amount).began > -math.inf
-            for k, (limit, amount) in enumerate(zip(self.limits, use, strict=True))
-        )
-
     def by_turn(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a message goes by turns of the clock: in ours it takes nothing from anybody."""
         coordination = self.coordination

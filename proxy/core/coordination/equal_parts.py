@@ -38,6 +38,8 @@ class ClockTurns:
         self._windows = tuple(windows)
         self._robots, self._place = 1, 0.0
         """How many robots have turns, and which part of them come before us."""
+        self._largest, self._small_counts = 1.0, 1.0
+        """What part of a limit goes without a turn, and how many times it counts before one."""
         self._places = 1.0
         """How many turns a cycle has room for: of a large team more, as who misses some robots has the same turns."""
         self._slots = [0] * len(self._windows)
@@ -53,15 +55,16 @@ class ClockTurns:
     def look(self, view: SharedView, limits: tuple[Limit, ...], team: Team) -> None:
         """See who has turns, how large messages are, and what the wall clock says.
 
-        In a small team all but those that say in their states that they have nothing to send: with turns of those that
-        are silent six robots and an operator reach 56 % of a central decider, without 59. All know that alike: by what
-        each heard of the others twelve robots had 12 % of the windows over the limit.
+        In a small team all have turns but those that say in their states that they have nothing to send. All know that
+        alike: by what each heard of the others twelve robots had 12 % of the windows over the limit.
         """
-        own, others = tag(view.settings.zid), team.members if team.large else team.publishers
+        own, others = tag(view.settings.zid), team.members if team.large else team.members - _listeners(view)
         self._robots, self._ahead = len(others) + 1, view.clocks.offset
         self._place = sum(name < own for name in others) / self._robots
         step = TUNING.turn_step
         self._places = step ** math.ceil(math.log(self._robots, step)) if team.large else float(self._robots)
+        self._largest = (TUNING.turn_parts if team.large else 1.0) / self._robots
+        self._small_counts = 1.0 if team.large else TUNING.small_counts
         streams = list(view.streams.own())
         ours = max((round(stream.sizes.mean) for stream in streams), default=0)
         copies = max((view.subscribers.copies(stream) for stream in streams), default=1)
@@ -86,27 +89,28 @@ class ClockTurns:
         return max(self._saved, default=0.0) * self._robots > TUNING.turn_parts
 
     def turn(self, now: float, k: int, part: float) -> Turn:
-        """Return our turn with a message that takes this part of limit `k`; one no larger than a part needs none.
-
-        Of six robots those whose messages took 1.4 parts, and went without, had 6 % of the windows over the limit.
-        """
-        if part * self._robots <= 1.0 or not self._slots[k]:
+        """Return our turn with a message that takes this part of limit `k`; none is needed where that is not large."""
+        if part <= self._largest or not self._slots[k]:
             return NOT_NEEDED
         window, wall = self._windows[k], now + self._ahead
         cycle = self._places * window * (1.0 + TUNING.turn_time + TUNING.turn_guard) / self._slots[k]
         began = (math.floor(wall / cycle - self._place) + self._place) * cycle
-        paid = self._paid[k] + self._pays_for(part, window)
+        paid = self._paid[k] + part * self._robots * window
         is_now = wall < began + TUNING.turn_time * window and now >= paid
         return Turn(began - self._ahead if is_now else math.inf, began + cycle - self._ahead, 1.0 / self._slots[k])
 
     def sent(self, now: float, uses: Sequence[float]) -> None:
         """A message was sent that takes such parts of the limits."""
         for k, (use, saved, window) in enumerate(zip(uses, self._saved, self._windows, strict=True)):
-            self._paid[k] = max(self._paid[k], now - self._pays_for(saved, window)) + self._pays_for(use, window)
+            counts = use if use > self._largest else self._small_counts * use
+            equal = self._robots * window
+            self._paid[k] = max(self._paid[k], now - saved * equal) + counts * equal
 
-    def _pays_for(self, part: float, window: float) -> float:
-        """Return how long our equal part of a limit pays for this part of it [s]."""
-        return TUNING.turn_price * part * self._robots * window
+
+def _listeners(view: SharedView) -> set[str]:
+    """Return the tags of those that say in their states that they have nothing to send."""
+    planned = view.specs.planned
+    return {peer.tag for peer in view.peers.values() if peer.announced and not any(map(planned, peer.told))}
 
 
 def _part(limit: Limit, size: int, copies: int) -> float:

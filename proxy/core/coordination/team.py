@@ -99,13 +99,6 @@ class Team:
         """How many robots have equal parts then."""
         return len(self.sharers) + 1
 
-    @property
-    def publishers(self) -> frozenset[str]:
-        """Tags of the others that say in their states that they have something to send, or have told none yet."""
-        planned = self._view.specs.planned
-        listens = {p.tag for p in self._others() if p.announced and not any(map(planned, p.told))}
-        return self.members - listens
-
     def set_members(self, members: Collection[str]) -> None:
         """These robots take part, and we."""
         self.members = frozenset(members)

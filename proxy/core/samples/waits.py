@@ -2,7 +2,7 @@
 
 import math
 
-from proxy.core.coordination.claims import first_at, news_take, opening
+from proxy.core.coordination.claims import claim, first_at, news_take, opening
 from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.market.room import Room, carried, pace_part
 from proxy.core.market.standing import Amounts, Standing
@@ -55,7 +55,7 @@ class Waits:
         waits = (
             stream is not None
             and self._appraisal.mode_of(stream) is Mode.ENFORCE
-            and (self._for_others(now, stream, sample) or self._for_room(now, stream, sample))
+            and (self._for_others(now, stream, sample) or self._for_what_opens(now, stream, sample))
         )
         return waits or self._overtakes(sample)
 
@@ -97,15 +97,23 @@ class Waits:
         self.wakes_at = min(self.wakes_at, until)
         return True
 
-    def _for_room(self, now: float, stream: Stream, sample: Waiting) -> bool:
-        """Whether a sample waits, as something we sent soon leaves the window, or behind others that do."""
-        appraisal = self._appraisal
+    def _for_what_opens(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Whether a sample waits for room or for our turn: none does that nobody wants, or that nothing is worth."""
         if not self._view.subscribers.gaining(stream):
             return False
-        standing = appraisal.weigh(now, stream, sample)
-        use, contested = appraisal.use(stream, sample), standing is Standing.CONTESTED
-        until = sample.t_gen + self._patience(now, stream, standing, use)
-        if standing is Standing.HOPELESS or now >= until:
+        standing = self._appraisal.weigh(now, stream, sample)
+        if standing is Standing.HOPELESS:
+            return False
+        use = self._appraisal.use(stream, sample)
+        if self._budget.by_turn(now, use):
+            return self._for_turn(now, stream, sample, use)
+        return self._for_room(now, stream, sample, use, standing)
+
+    def _for_room(self, now: float, stream: Stream, sample: Waiting, use: Amounts, standing: Standing) -> bool:
+        """Whether a sample waits, as something we sent soon leaves the window, or behind others that do."""
+        appraisal, contested = self._appraisal, standing is Standing.CONTESTED
+        until = sample.t_gen + self._disputes.patience(stream, standing)
+        if now >= until:
             return False
         priced = not contested and self._disputes.weighed(stream).standing is Standing.PRICED
         leads = (
@@ -137,13 +145,35 @@ class Waits:
         self._followers.lead(kind, sample, use, opens)
         return True
 
-    def _patience(self, now: float, stream: Stream, standing: Standing, use: Amounts) -> float:
-        """Return how long a sample waits for room [s]; for its turn as long as it is worth half of what it was.
+    def _for_turn(self, now: float, stream: Stream, sample: Waiting, use: Amounts) -> bool:
+        """Whether a sample waits for our turn, or in it for one of ours that gains more.
 
-        Else twelve robots with frames at random used 38 % of the limit, and use 44.
+        As long as it is worth half of what it was: twelve robots with frames at random used 38 % of the limit where it
+        waited no longer than for other room, and 44 so.
         """
-        patience = self._disputes.patience(stream, standing)
-        return max(patience, half_life(stream.information_type.utility)) if self._budget.by_turn(now, use) else patience
+        patience = max(self._disputes.patience(stream), half_life(stream.information_type.utility))
+        opens = self._budget.opens(now, use)
+        if opens <= now and self._gains_less(now, stream, sample):
+            opens = now + TUNING.shortest_wait
+        if not now < opens <= sample.t_gen + patience:
+            return False
+        self._inbox.rest(sample, opens)
+        return True
+
+    def _gains_less(self, now: float, stream: Stream, sample: Waiting) -> bool:
+        """Whether another sample gains more that waits for our turn, too.
+
+        Eight robots with frames and with samples that last for 10 s reach 75 % of a central decider so; where the oldest
+        went, 49.
+        """
+        gain = claim(now, stream)[0] * sample.size
+        for each in self._inbox:
+            other = self._appraisal.stream_of(now, each) if each.key != sample.key else None
+            if other is None or claim(now, other)[0] * each.size <= gain:
+                continue
+            if self._budget.by_turn(now, self._appraisal.use(other, each)):
+                return True
+        return False
 
     def _for_certain(self, now: float, sample: Waiting, use: Amounts, opens: float, until: float) -> float:
         """Return when there is room at last: a small sample waits a window for others, then it has its certain part.

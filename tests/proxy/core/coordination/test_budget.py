@@ -170,23 +170,15 @@ def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_b
     assert max(apart) == pytest.approx(min(apart), abs=0.02)
 
 
-def test_in_its_turn_a_robot_keeps_no_room_for_later_messages_though_its_part_has_room_for_any(make_budget):
-    """Where it uses little, and so may use more than an equal part; what is small needs no turn."""
+def test_only_what_is_much_larger_than_an_equal_part_goes_by_turn(make_budget):
+    """However much of it is sent, once the team is known to be large."""
     robots = TUNING.large_team + 1
-    large, small = (1.9 * BYTES.limit / robots,), (0.3 * BYTES.limit / robots,)
-    budget, view = large_team(make_budget, robots, round(large[0]))
-    now, turns = 0.1, 0
-    assert not budget.in_turn(now, large), "until the team is known to be large"
-    for step in range(2000):
-        now = 0.1 + 0.01 * step
-        for stream in view.streams if step % 100 == 0 else ():
-            stream.note_generated(stream.generated + 1, Generated(now, round(large[0]), 1.0))
-        budget.coordination.advance(now, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
-        if now > 10.0 and not budget.lacking(now, large):
-            turns += budget.in_turn(now, large)
-            assert large[0] <= budget.whole(now, 0)
-        assert not budget.in_turn(now, small)
-    assert turns > 0
+    large, small = (1.6 * BYTES.limit / robots,), (1.4 * BYTES.limit / robots,)
+    budget, _ = large_team(make_budget, robots, round(large[0]))
+    assert not budget.by_turn(0.1, large)
+    budget.coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
+    assert budget.by_turn(0.1, large)
+    assert not budget.by_turn(0.1, small)
 
 
 def test_traffic_that_nobody_decided_on_leaves_a_part(make_budget):

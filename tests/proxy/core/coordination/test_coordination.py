@@ -169,7 +169,7 @@ def test_a_large_team_agrees_on_nothing_and_uses_more_than_equal_parts(make_team
     assert team.coordination.settled
     limit = team.limits[0]
     equal = limit.limit / (TUNING.large_team + 1)
-    assert team.coordination.turn(team.now, 0, limit, equal) == NOT_NEEDED
+    assert team.coordination.turn(team.now, 0, limit, TUNING.turn_parts * equal) == NOT_NEEDED
     began = {team.coordination.turn(team.now + 0.02 * n, 0, limit, 4.0 * equal).began for n in range(1000)}
     assert math.inf in began
     assert 1 < len(began) < 6

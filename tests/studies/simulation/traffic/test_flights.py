@@ -92,6 +92,18 @@ def test_messages_much_larger_than_a_part_use_their_turns():
     assert found.fill > 0.55
 
 
+@pytest.mark.full
+def test_in_a_turn_that_sample_goes_that_gains_most():
+    """Not the oldest: one kind of frames is worth next to nothing for seconds after each, the other one soon again."""
+    lasting = Kind("lasting", Step(1.0, 10.0), (6.0, 8.0), (3_600, 4_000))
+    frames = Kind("frames", Video(1 / 30, 10.0), (3.0, 3.5), (5_500, 6_000), weight=8.0)
+    workload = Workload("both", ((lasting, frames),) * 8, 0.3 * MBIT, 0.5)
+    flight = fly(draw_from(workload, 0, WARM_UP + 10.0, latency=0.02), How(loss=0.0), 0)
+    assert all(core.coordination.equal.by_clock for robot, core in flight.cores.items() if robot != "op")
+    sent = [air.frame.key for air in flight.on_air if air.frame is not None and air.t > WARM_UP]
+    assert sum("frames" in key for key in sent) > 3 * sum("lasting" in key for key in sent)
+
+
 def test_further_settings_are_the_cores():
     """By their names; one that the core does not have is refused."""
     mission = draw("random", 2, 0, 2.0, latency=0.02)
