@@ -11,8 +11,7 @@ constraint window uses at most its part, so the union of all robots holds when p
    all others whose bids are in it have announced its hash. Meanwhile its part is the least that any table of its log
    (`table.py`) gives it, from the last one agreed on to the newest that it has announced.
 4. *Guard time* (`own_part.py`). A part shrinks at once. It grows one constraint window later, when what others sent
-   before they shrank has left the window; sooner where all announced to have sent nothing beyond the new
-   table. What was sent in room that is given up does not count against what is kept.
+   before they shrank has left the window. What was sent in room that is given up does not count against what is kept.
 5. *Turns* (`turns.py`). A message larger than its robot's part needs a *slot*: room for it in every window, which
    several robots use one after the other, as in a token ring. Who holds it passes it on by announcing a greater turn
    number; the next one uses it once the last message in it has left the window. Nobody trusts a clock.

@@ -134,12 +134,12 @@ class Split:
 
     def announcement(self, now: float) -> SplitReport:
         """Return what our next digest announces."""
-        return self.exchange.announcement(now, self.own_part.within(now, self.agreement.log.newest.total))
+        return self.exchange.announcement(now)
 
     def announced(self, now: float, announcement: SplitReport) -> None:
         """This goes out in a digest."""
         self.exchange.announced(now, announcement)
-        self.agreement.log.announced(now, announcement.table)
+        self.agreement.log.announced(announcement.table)
         self._entitle(now)
 
     def heard(self, now: float, peer: str, announcement: SplitReport, sent: float = -math.inf) -> None:
@@ -191,10 +191,8 @@ class Split:
         return first or (not agreement.pending and now >= max(self._bid_at + interval, rested))
 
     def _settle(self, now: float) -> None:
-        before = self.agreement.log.agreed
         self.agreement.settle(now)
-        agrees = self.agreement.log.agreed is not before
-        self._entitle(now, min(self.agreement.unused(now), self.own_part.within(now, UNIT)) if agrees else 0.0)
+        self._entitle(now)
 
     def _entitle(self, now: float, unused: float = 0.0) -> None:
         """What we are entitled to may have changed; what it rises by has been unused for so long [s]."""
