@@ -150,9 +150,6 @@ class CoordinationTuning:
     claim_pays: float = 0.6
     """Nobody gives way to samples that earn less than this part of their room's cost: with 0.4 twelve robots with large
     samples at random used a third of the limit, and with 0.6 two thirds."""
-    in_vain: float = 4.0
-    """Each of those before us is given way to in vain for so many of their periods at most: with one there were twice
-    as many windows over the limit where 1 % of the digests was lost."""
     due_samples: int = 16
     """Of bursts the newest sample is among so many of a period."""
 
