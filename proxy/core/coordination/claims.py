@@ -35,7 +35,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
 from proxy.core.market.disputes import Disputes
 from proxy.core.market.standing import Standing
-from proxy.core.model.limits import Limit, changes_plans, longest_window, use_of
+from proxy.core.model.limits import Limit, changes_plans, use_of
 from proxy.core.view.stream import Stream, excess
 from proxy.core.view.view import SharedView
 from utility_specs.lifetimes import initial
@@ -94,9 +94,7 @@ class Claims:
         if not claims:
             return taken, until
         ours, news = claim(now, stream) if self._pays(stream) else NOBODY, news_take(self._view)
-        opened, longest = grew(now, news), longest_window(limits)
-        if ours != NOBODY and _in_vain(now, stream, ours, claims, longest + news) and now > grew(now, longest) + news:
-            return taken, until
+        opened = grew(now, news)
         if self._is_late(now, stream, opened if all(theirs < ours for theirs, _ in claims) else -math.inf):
             ours = NOBODY
         better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
@@ -184,22 +182,6 @@ class Claims:
 def opening(view: SharedView) -> float:
     """Return how much later than it seems room opens that others leave [s]: how long news take is not known better."""
     return TUNING.opening_part * view.staleness.longest_way
-
-
-def _in_vain(now: float, stream: Stream, ours: Claim, claims: Sequence[tuple[Claim, Stream]], after: float) -> bool:
-    """Whether those with a better claim are given way to in vain: so long `after` the last sample [s] no other came.
-
-    Who missed the news of one takes its robot for the next, and all others take him for that: eight robots with cameras
-    sent nothing large for up to 2.8 s so where 1 % of the digests was lost, 6.3 with 30 %, and now for 1.3 and 1.7. Who
-    has fewest before him goes first, of those alike the first by name.
-    """
-    better = [each for theirs, each in claims if theirs > ours]
-    last = max((each.sent.t_sent for each in (stream, *(each for _, each in claims)) if each.sent), default=math.inf)
-    if not better or now <= last + after:
-        return False
-    robots = sorted({stream.robot, *(each.robot for _, each in claims)})
-    before = len(better) + robots.index(stream.robot) / len(robots)
-    return now > last + after + TUNING.in_vain * before * max(each.schedule.period for each in better)
 
 
 def _due(now: float, stream: Stream, news: float) -> float:

@@ -20,7 +20,7 @@ from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts,
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.patience import Departed
-from proxy.core.coordination.team import Team, words_take, words_take_long
+from proxy.core.coordination.team import Team, words_take_long
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
@@ -197,8 +197,7 @@ class Coordination:
             return False
         # Who asks anew and cannot tell so keeps the others from doing so, and from agreeing, until it can.
         if (due or entered) and (not split.agreement.formed or passes_at(now) <= now):
-            takes = words_take(self._view, self.team.robots)
-            split.bid(now, bid(self._view, now, limits), usual=usual(self._view, now, limits), takes=takes)
+            split.bid(now, bid(self._view, now, limits), usual=usual(self._view, now, limits))
         split.advance(now, self.team.news_take(waiting), passes_at(now))
         self.formation.look(now, formed=split.agreement.formed, window=max(self._kind[0]))
         return split.exchange.has_news(now)
@@ -215,7 +214,7 @@ class Coordination:
         self.looks_at = now + TUNING.interval
         split = self.split_in_force
         asked = split is not None and split.agreement.rivals
-        self.team.wait(now, waiting, None if split is None else split.agreement, max(self._kind[0], default=math.inf))
+        self.team.wait(now, waiting, None if split is None else split.agreement)
         self.keeps = self.hollow.keeps(now, self._view, limits, self.team)
         self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
         self._view.audiences.take_alike(alike=self.team.agrees)

@@ -65,9 +65,6 @@ class CoordinationTuning:
     """... and where one of each robot to every other takes longer than this, who cannot agree has equal parts [s]..."""
     departed_part: float = 0.25
     """... as soon as this part of a limit is with robots that gave up (`patience.py`)."""
-    passed_on: float = 0.5
-    """Nor are slots worth their words that are worth no more than equal parts, where passing them on takes this part of
-    the allowance (six drawn workloads: 46 to 76 % of a central decider, now 66 to 81)."""
     varied_margin: float = 0.06
     """Where several plan for all, and all large samples vary, so much of limits is left: 0.9 % over, not 2.9 (20
     ms)."""
@@ -150,9 +147,6 @@ class CoordinationTuning:
     claim_pays: float = 0.6
     """Nobody gives way to samples that earn less than this part of their room's cost: with 0.4 twelve robots with large
     samples at random used a third of the limit, and with 0.6 two thirds."""
-    in_vain: float = 4.0
-    """Each of those before us is given way to in vain for so many of their periods at most: with one there were twice
-    as many windows over the limit where 1 % of the digests was lost."""
     due_samples: int = 16
     """Of bursts the newest sample is among so many of a period."""
 

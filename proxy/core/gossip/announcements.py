@@ -6,7 +6,7 @@ from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.market.standing import interval_of
-from proxy.core.model.limits import changes_plans, longest_window, shortest_window, use_of
+from proxy.core.model.limits import changes_plans, shortest_window, use_of
 from proxy.core.model.settings import is_broadcast
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
@@ -23,7 +23,6 @@ class Announcements:
         self._limits = limits
         self._account = account
         self._budget = budget
-        self._greeting = False
 
     @property
     def overheard(self) -> bool:
@@ -54,25 +53,6 @@ class Announcements:
     def changes_plans(self, size: int, copies: int = 1) -> bool:
         """Whether a message of so many bytes, in so many copies, changes what others plan."""
         return changes_plans(use_of(size, copies, self._limits.limits), self._limits.limits)
-
-    def greet(self) -> None:
-        """A robot is new, and does not know what we sent lately."""
-        self._greeting = True
-
-    def told(self) -> None:
-        """All have been told what we sent."""
-        self._greeting = False
-
-    def greets(self, now: float) -> bool:
-        """Whether somebody new has to hear, as all plan for all, what we sent that is in a window still.
-
-        Else five of eight flights had 3 to 12 % of the first 10 s of windows over the limit (20 ms).
-        """
-        if not (self._greeting and self.needed):
-            return False
-        since = now - longest_window(self._limits.limits)
-        own = self._view.streams.own()
-        return any(each.sent is not None and each.sent.t_sent > since and self.is_large(each) for each in own)
 
     def is_large(self, stream: Stream) -> bool:
         """Whether the samples of a stream change what others plan."""

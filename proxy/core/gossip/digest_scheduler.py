@@ -160,8 +160,7 @@ class DigestScheduler:
             return max(since, self._budget.due_in_turn(now, since, TUNING.parts_debt, self._account.digest_copies))
         if coordination.forming(now) and not self._parts_changed:
             due = max(due, now + TUNING.slowest_digest)
-            tells = self._sent_much() or self._announcements.greets(now)
-            return min(due, self._announcements.tells_at(now)) if tells else due
+            return min(due, self._announcements.tells_at(now)) if self._sent_much() else due
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
         if self._parts_changed:  # though a sample waits to be announced, which may take longer
             due = min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
@@ -193,8 +192,7 @@ class DigestScheduler:
     def _send_news(self, now: float) -> Command:
         """Send a digest, or only the announcement of what was sent where nothing else is due."""
         copies, only_parts = self._account.digest_copies, self._only_parts(now)
-        sent_much = self._sent_much() or self._announcements.greets(now)
-        self._announcements.told()
+        sent_much = self._sent_much()
         if sent_much and not self._more_is_due(now, copies):
             digest = self._announcement(now)
             self._capacity.evidence.digest_sent(now, self._view.traffic.messages)

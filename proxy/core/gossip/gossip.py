@@ -121,7 +121,6 @@ class Gossip:
         """Somebody asked for our state and got it: all the rest is told by the next digest."""
         self.states.asked(now)
         self.news.forget()
-        self.announcements.greet()
 
     def advance(self, now: float, mode: Mode, *, urgent: bool, parts_changed: bool, relaxed: bool) -> list[Command]:
         """Tell and ask what is due now, in our `mode`; `urgent`: the channel is news; `relaxed`: nobody plans."""

@@ -1,6 +1,5 @@
 """What a robot and the others agree on: who takes part, what each asks for, and which tables of that count."""
 
-import math
 from collections.abc import Collection, Mapping
 
 from proxy.core.protocol.bid import UNIT, Bid
@@ -42,10 +41,6 @@ class Agreement:
         self._bids: dict[str, Entry] = {own: (version, ())}
         self._held: dict[str, dict[int, bool]] = {}
         """By tag, the names of the last tables that another robot had, and whether it agreed on them."""
-        self._within: dict[str, tuple[int, float]] = {}
-        """By tag, of which table it said that what it sent fits what that gives it, and since when [s]."""
-        self._lost_at = -math.inf
-        """When a robot was lost sight of last [s]."""
         self._returns = _Returns(self._settle_time)
         self.known_by: set[str] = set()
         """Who has our bid."""
@@ -147,21 +142,17 @@ class Agreement:
             return
         self.known_by &= self.members
         self._held = {tag: names for tag, names in self._held.items() if tag in self.members}
-        self._within = {tag: entry for tag, entry in self._within.items() if tag in self.members}
         self._returns.note(now, before, self.members)
         agreed = self.log.agreed.entries
         if (self.members - before) and (unknown := self.members - agreed.keys()):
             self.log.reserve(self._table(agreed | dict.fromkeys(unknown), counts=True))
         if before - self.members:
-            self._lost_at = now
             self.ask(now, self.bid[1])
         self._form(now)
 
     def heard(self, now: float, peer: str, announcement: SplitReport) -> None:
         """A robot announced its bid, if that is news, and the names of its newest table and of that it agreed on."""
         version, bid = announcement.version, announcement.bid
-        if self._within.get(peer, (0, 0.0))[0] != announcement.table:
-            self._within[peer] = announcement.table, now - announcement.unused
         if bid is not None and version > self._bids.get(peer, (-1, ()))[0]:
             self._bids.pop(peer, None)
             self._bids[peer] = version, bid
@@ -188,15 +179,6 @@ class Agreement:
             self.newcomer = False
             self.formed |= self.log.agreed.complete and len(self.members) > 1
         self.log.compact()
-
-    def unused(self, now: float) -> float:
-        """For how long nobody has used more than the table gives it that we agreed on as a newcomer [s]."""
-        table = self.log.agreed
-        if not (table.complete and table.bidders):
-            return 0.0
-        within = [self._within.get(tag, (0, now)) for tag in table.bidders]
-        since = max(since if name == table.name else now for name, since in within)
-        return max(0.0, now - max(since, self._lost_at, table.announced_at))
 
     def _may_agree(self, now: float, table: Table) -> bool:
         """Whether it may be agreed on: by a newcomer, with all bids, or a part for everybody once all see it."""

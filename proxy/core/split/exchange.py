@@ -50,17 +50,17 @@ class Exchange:
         late = 2.0 if 2 * missed > len(self._agreement.others) else 1.0
         return self._heard_at + late * self.patience * (1.0 + self._phase) * 2.0**self._requests
 
-    def announcement(self, now: float, within: float = math.inf) -> SplitReport:
-        """Return what our next digest announces; for so long we kept `within` what our newest table gives us [s]."""
+    def announcement(self, now: float) -> SplitReport:
+        """Return what our next digest announces."""
         agreement, (version, bid) = self._agreement, self._agreement.bid
-        passed = [now - turn.used for turn in agreement.turns if turn.giver == agreement.own]
+        passed = [now - turn.used for turn in agreement.turns if turn.giver == agreement.own and not agreement.pending]
         return SplitReport(
             version,
             None if agreement.known_by >= agreement.others else bid,
             agreement.log.newest.name,
             0 if agreement.newcomer else agreement.log.agreed.name,
             tuple(turn.number for turn in agreement.turns),
-            min([self._window, within, *passed]),
+            min(self._window, *passed) if passed else 0.0,
             self._mask(agreement.unconfirmed) if now >= self.requests_at else 0,
         )
 

@@ -155,11 +155,6 @@ class OwnPart:
         """Return what is left of our part of a limit now."""
         return max(0.0, self._steady.least(now) - self._ledger.kept(now, limit)) / UNIT
 
-    def within(self, now: float, part: int) -> float:
-        """Return for how long we have sent nothing that does not fit so many units [s]."""
-        fits = all(self._ledger.kept(now, limit) <= part for limit in range(len(self._ledger.windows)))
-        return now - self._ledger.last_struck if fits else 0.0
-
     def grows_at(self, now: float) -> float:
         """Return when our part grows next, if nothing is heard and no turn ends [s]; ∞ where it does not."""
         return self._steady.rises_at(now)

@@ -13,12 +13,9 @@ from proxy.core.split.tuning import TUNING
 from proxy.core.split.turns import Turn
 
 
-def worthwhile(agreement: Agreement, bid: Bid, usual: int, takes: float) -> bool:
-    """Whether our bid should be this one from now on, as an agreement on it, which `takes` so long [s], is worth it.
-
-    A `usual` large message of ours takes so much [units].
-    """
-    same = alike(agreement.bid[1], bid) or indifferent(agreement, bid, takes)
+def worthwhile(agreement: Agreement, bid: Bid, usual: int) -> bool:
+    """Whether our bid should be this one from now on; a `usual` large message of ours takes so much [units]."""
+    same = alike(agreement.bid[1], bid) or indifferent(agreement, bid)
     return not same or starves(agreement, bid, usual)
 
 
@@ -29,19 +26,13 @@ def outdoes_equal(agreement: Agreement) -> bool:
     return agreement.formed and table.allocation.worth(bids) > TUNING.unequal_gain * worth_of_equal(bids)
 
 
-def indifferent(agreement: Agreement, bid: Bid, takes: float = 0.0) -> bool:
-    """Whether little would be gained if all agreed on this bid: about what each has, or slots alone change hands.
-
-    Or less than slots are worth that rest while all agree, which `takes` so long [s].
-    """
+def indifferent(agreement: Agreement, bid: Bid) -> bool:
+    """Whether little would be gained if all agreed on this bid: about what each has, or slots alone change hands."""
     if (bids := _bids_with(agreement, bid)) is None:
         return False
     newest = agreement.log.newest
     had, allocation = newest.allocation, newest.allocated(bids)
     if allocation.resembles(had):
-        return True
-    before, after = had.worth(bids, divisible=True), allocation.worth(bids, divisible=True)
-    if agreement.bid[1] and max(0.0, after - before) < takes / TUNING.gains_for * before:
         return True
     slots = alike_but_for_slots(agreement.bid[1], bid) and all(map(few_parts, bids.values()))
     if not slots or allocation.largest(agreement.own) > TUNING.message_growth * had.largest(agreement.own):
@@ -117,15 +108,15 @@ class Split:
         self.agreement.set_members(now, tags)
         self._settle(now)
 
-    def bid(self, now: float, bid: Bid, *, usual: int = 0, takes: float = 0.0) -> bool:
+    def bid(self, now: float, bid: Bid, *, usual: int = 0) -> bool:
         """Ask for this from now on, if it differs enough and it is time; return whether we do.
 
-        A `usual` large message takes so much [units], to agree `takes` so long [s].
+        A `usual` large message takes so much [units].
         """
         agreement = self.agreement
         if agreement.silent and any(not segment.quarters or segment.amount <= agreement.equal for segment in bid):
             return False
-        if not self._may_bid(now) or not worthwhile(agreement, bid, usual, takes):
+        if not self._may_bid(now) or not worthwhile(agreement, bid, usual):
             return False
         self._bid_at = now
         agreement.ask(now, bid)
@@ -134,12 +125,12 @@ class Split:
 
     def announcement(self, now: float) -> SplitReport:
         """Return what our next digest announces."""
-        return self.exchange.announcement(now, self.own_part.within(now, self.agreement.log.newest.total))
+        return self.exchange.announcement(now)
 
     def announced(self, now: float, announcement: SplitReport) -> None:
         """This goes out in a digest."""
         self.exchange.announced(now, announcement)
-        self.agreement.log.announced(now, announcement.table)
+        self.agreement.log.announced(announcement.table)
         self._entitle(now)
 
     def heard(self, now: float, peer: str, announcement: SplitReport, sent: float = -math.inf) -> None:
@@ -191,10 +182,8 @@ class Split:
         return first or (not agreement.pending and now >= max(self._bid_at + interval, rested))
 
     def _settle(self, now: float) -> None:
-        before = self.agreement.log.agreed
         self.agreement.settle(now)
-        agrees = self.agreement.log.agreed is not before
-        self._entitle(now, min(self.agreement.unused(now), self.own_part.within(now, UNIT)) if agrees else 0.0)
+        self._entitle(now)
 
     def _entitle(self, now: float, unused: float = 0.0) -> None:
         """What we are entitled to may have changed; what it rises by has been unused for so long [s]."""

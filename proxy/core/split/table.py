@@ -1,7 +1,6 @@
 """A table: the bids of all robots that one robot knows, what they give it, and who has the same table."""
 
 import hashlib
-import math
 from collections.abc import Container, Iterator, Mapping
 
 from proxy.core.protocol.bid import UNIT, Bid, packed
@@ -36,8 +35,6 @@ class Table:
         self.confirmed_by: set[str] = set()
         self.counts = counts
         """Whether what it gives us is the most that we may use: we agreed on it, or others may have."""
-        self.announced_at = math.inf
-        """When others were first told that we have it [s]."""
 
     @property
     def agreed(self) -> bool:
@@ -63,9 +60,9 @@ class Table:
         """By tag, these are the names of tables that robots have."""
         self.confirmed_by |= {tag for tag, held in names.items() if self.name in held}
 
-    def announced(self, now: float) -> None:
+    def announced(self) -> None:
         """Others hear that we have it, and may agree on it."""
-        self.counts, self.announced_at = True, min(self.announced_at, now)
+        self.counts = True
 
     def begin(self, now: float) -> None:
         """It is agreed on: its turns begin."""
@@ -139,11 +136,11 @@ class TableLog:
         """Robots came: until all agree on a table with them, what this one leaves them is theirs."""
         self._tables.append(table)
 
-    def announced(self, now: float, name: int) -> None:
+    def announced(self, name: int) -> None:
         """A digest of ours names this as the table that we have: from now on others may agree on it."""
         for table in self._tables:
             if table.name == name:
-                table.announced(now)
+                table.announced()
 
     def confirm(self, names: Mapping[str, Container[int]]) -> None:
         """By tag, these are the names of tables that robots have."""

@@ -366,49 +366,6 @@ def test_the_best_claim_takes_room_that_opens_before_it_hears_of_us(view):
     assert judged(view, 10.05, grew=opens_at(10.05 + 1.1 * news_take(view)))[0] == (0.0,)
 
 
-def test_nobody_gives_way_for_ever_to_who_sends_nothing_with_all_the_room(view):
-    """It takes another one for the next, of whom it lacks the news."""
-    sent(view, "r2", 8.5)
-    sent(view, "r1", 9.0)
-    empty = 9.0 + limits_of(view.specs, 0.02, 2)[0].window + news_take(view)
-    in_vain = empty + TUNING.in_vain * PERIOD
-    for now, expected in ((in_vain - 0.01, SIZE), (in_vain + 0.01, 0.0)):
-        known = view.streams.known("r2", "robot/r2/camera")
-        known.note_generated(known.generated + 1, Generated(now - 0.5 * TUNING.deciding, SIZE, 1.0))
-        assert taken(view, now) == (expected,)
-    assert taken(view, in_vain + 0.01, grew=in_vain + 0.1) == (SIZE,)  # something else is to leave the windows
-
-
-def test_who_is_worth_less_than_its_room_gives_way_for_ever(view):
-    """Though that is in vain: no plan sends it."""
-    ours, theirs = (view.streams.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
-    for count in range(101, 301):
-        ours.note_generated(count, Generated(count * PERIOD - 20.1, SIZE, CHEAP))
-    sent(view, "r2", 1.0)
-    sent(view, "r1", 1.0)
-    theirs.note_generated(theirs.generated + 1, Generated(10.0, SIZE, 1.0))
-    assert taken(view, 10.0 + 0.5 * TUNING.deciding) == (SIZE,)
-
-
-def test_of_those_who_give_way_in_vain_one_goes_first(view):
-    """The first by name where both have as many before them: else both would send at once."""
-    sent(view, "r1", 8.5)
-    sent(view, "r2", 9.0)
-    limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)
-    disputes.advance(10.0, limits, alone=False)
-    empty = 9.0 + limits[0].window + news_take(view)
-    now = empty + 1.25 * TUNING.in_vain * PERIOD
-    for robot, other, expected in (("r1", "r2", 0.0), ("r2", "r1", SIZE)):
-        ours, theirs = (view.streams.known(name, f"robot/{name}/camera") for name in (robot, other))
-        theirs.note_generated(theirs.generated + 1, Generated(now - 0.5 * TUNING.deciding, SIZE, 1.0))
-        theirs.sent = Sent(8.0, 8.0, SIZE, 1.0)
-        ours.sent = Sent(9.0, 9.0, SIZE, 1.0)
-        asked = Claims(view, disputes).rivals(
-            now, ours, limits, lambda *_: -math.inf, lambda _: (math.inf,), agreed=False
-        )
-        assert asked[0] == (expected,)
-
-
 def test_a_stream_leads_whose_claim_is_better_than_those_of_all_large_ones(view):
     """What is small is soon no part of any dispute; a stream without a rhythm waits for nobody's room."""
     limits, disputes = limits_of(view.specs, 0.02, 2), Disputes(view)

@@ -98,7 +98,7 @@ def test_a_newcomer_that_all_have_seen_uses_the_equal_part_that_they_leave_it():
     a.settle(1.0)
     assert a.newcomer
     assert a.entitled == a.equal == (UNIT - 200) // (len(others) + 1)
-    a.log.announced(1.0, a.log.newest.name)
+    a.log.announced(a.log.newest.name)
     assert a.entitled == a.log.newest.total < a.equal
 
 
@@ -138,5 +138,5 @@ def test_a_table_counts_once_we_have_announced_that_we_have_it():
     tell(0.2, b, a)
     assert a.log.newest.total < before
     assert a.entitled == before
-    a.log.announced(0.0, a.log.newest.name)
+    a.log.announced(a.log.newest.name)
     assert a.entitled == a.log.newest.total
