@@ -24,7 +24,7 @@ from proxy.errors import ProxyError
 from proxy.fleet_token import proofs, read_token, token_of
 from proxy.printable import clean
 from proxy.profiling.profile import Profile, read
-from proxy.profiling.request import Request
+from proxy.profiling.request import END, Request
 from proxy.why import Question
 
 DAEMON = "tcp/127.0.0.1:7447"
@@ -144,8 +144,11 @@ class Client:
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
 
     def profile(self, robot: str, request: Request) -> Profile:
-        """Have the daemon of `robot` profiled; return the profile. Raises NoAnswerError."""
-        (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds)
+        """Have the daemon of `robot` profiled, until Ctrl-C at most; return the profile. Raises NoAnswerError."""
+        try:
+            (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds)
+        except KeyboardInterrupt:
+            (answer, *_) = self._ask(keys.profile(robot), END)
         try:
             return read(parsed(answer))
         except (ValueError, TypeError, KeyError):

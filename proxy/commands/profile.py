@@ -30,6 +30,7 @@ for a sample, of a core, and of all that the daemon took. The stages:
 Each thread counts with what the kernel says that it took; who waits counts nothing. ± is by how much a part may well be
 off: a longer profile is more exact. Looking costs some 0.3 % of a core, which is told, and nothing when nobody asks.
 One profile is taken at a time; `sendworthy status --json` shows the stages of the last one (daemon.profile).
+Ctrl-C ends it, and what was seen until then is shown.
 """
 EXAMPLES = """\
 examples:

@@ -1,12 +1,15 @@
 """`sendworthy profile` against a running daemon."""
 
 import json
+import os
+import signal
 
 import pytest
 
 from proxy import exit_codes
 from proxy.cli import main
-from tests.proxy.profiling.profiles import picture_of
+from proxy.profiling.request import END
+from tests.proxy.profiling.profiles import picture_of, profile
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +88,24 @@ def test_a_refusal_is_told(stand_in, capsys):
     assert capsys.readouterr().err == (
         "sendworthy profile: the daemon refuses: a profile is being taken; it ends in 3.0 s\n"
     )
+
+
+def test_ctrl_c_shows_what_was_seen_until_then(stand_in, capsys):
+    """The daemon is told to end."""
+    waiting = []
+
+    def answer(query):
+        if bytes(query.payload) == END:
+            query.reply("@sendworthy/r1/profile", json.dumps(profile().write()))
+            query.drop()
+        else:
+            waiting.append(query)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    where = stand_in({"@sendworthy/r1/profile": answer})
+    assert main(["profile", "--robot", "r1", "--connect", where]) == exit_codes.OK
+    assert "\nall " in capsys.readouterr().out
+    assert len(waiting) == 1
 
 
 def test_what_is_no_profile_is_no_daemon(stand_in, capsys):
