@@ -17,7 +17,7 @@ from proxy.config_files import ConfigFiles, watched
 from proxy.errors import ConfigError
 from proxy.pushed import Folder
 from proxy.watching import FileWatch
-from utility_specs import Specs, SpecsError, load_specs
+from utility_specs import Specs, SpecsError, digests, load_specs
 from utility_specs.errors import SpecProblem
 from utility_specs.loader import holds_specs
 
@@ -33,10 +33,17 @@ class Loaded:
 
 
 def read_specs(path: Path) -> Specs:
-    """Read the utility specs; none when there is no such folder, or nothing in it. Raises SpecsError."""
+    """Read the utility specs; none when there is no such folder, or nothing in it. Raises SpecsError.
+
+    The log says which limits would hold little beside what daemons tell each other.
+    """
     with suppress(OSError, RuntimeError):  # RuntimeError: links in a circle; what is wrong is said when it is read
         Folder(path).mend()
-    return load_specs(path) if holds_specs(path) else Specs.empty()
+    specs = load_specs(path) if holds_specs(path) else Specs.empty()
+    for limit in specs.constraints:
+        if warning := digests.warning(limit.measure, digests.TEAM):
+            log.warning('%s: constraint "%s": %s', path, limit.name, warning)
+    return specs
 
 
 class Reloading:
