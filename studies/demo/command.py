@@ -23,6 +23,7 @@ from studies.demo.processes import DemoError
 from studies.demo.recording import recordings
 from studies.demo.table import table
 from studies.demo.world import moment, schedule
+from studies.given import problem_of
 
 DESCRIPTION = """\
 Robots drive through a drawn world and film, a medium that is too small carries, an operator watches who sees
@@ -107,10 +108,16 @@ def run(arguments: argparse.Namespace) -> int:
                 _live(arguments, Path(name))
             else:
                 _compare(arguments, Path(name))
-    except (DemoError, OSError) as error:
-        print(f"sendworthy demo: {error}", file=sys.stderr)
-        return FAILED
+    except DemoError as error:
+        return _failed(str(error))
+    except OSError as error:
+        return _failed(problem_of(error))
     return 0
+
+
+def _failed(reason: str) -> int:
+    print(f"sendworthy demo: {reason}", file=sys.stderr)
+    return FAILED
 
 
 def _compare(arguments: argparse.Namespace, folder: Path) -> None:
