@@ -16,7 +16,7 @@ def once(paths: Sequence[Path], parts: Collection[str] = ()) -> list[Path]:
     return [path for real, path in found.items() if real.suffix not in parts or real.parent not in found]
 
 
-def problem_of(error: OSError) -> str:
+def reason_of(error: OSError) -> str:
     """Say what cannot be read or written. Raises the error again where nobody reads our output: that is no mistake."""
     if isinstance(error, BrokenPipeError):
         raise error

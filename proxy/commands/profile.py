@@ -7,6 +7,7 @@ from pathlib import Path
 
 from proxy import exit_codes
 from proxy.commands.client import NoAnswerError, add_client_flags, connected
+from proxy.output import check_writable
 from proxy.profiling.flame import flame
 from proxy.profiling.request import RATE, SECONDS, ProfileError, Request
 from proxy.profiling.table import table
@@ -75,8 +76,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Ask, wait and print; return the exit code."""
     try:
         request = Request(arguments.seconds, arguments.rate)
+        check_writable([arguments.flame])
     except ProfileError as error:
         return _failed(error, exit_codes.USAGE)
+    except OSError as error:
+        return _failed(f"cannot write {error.filename}: {error.strerror}", exit_codes.FAILED)
     try:
         with connected(arguments.connect) as daemon:
             profile = daemon.profile(arguments.robot or daemon.only_robot(), request)

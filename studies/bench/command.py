@@ -8,7 +8,7 @@ from pathlib import Path
 from proxy import exit_codes
 from proxy.extras import needs
 from proxy.printable import clean
-from studies.given import problem_of
+from studies.given import reason_of
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION
 
@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
     except (BenchError, OracleError) as error:
         return _failed(str(error))
     except OSError as error:
-        return _failed(problem_of(error))
+        return _failed(reason_of(error))
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG

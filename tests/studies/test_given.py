@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.given import once, problem_of
+from studies.given import once, reason_of
 
 
 def test_a_file_is_taken_once_whatever_it_is_called(tmp_path, monkeypatch):
@@ -25,12 +25,12 @@ def test_what_cannot_be_written_is_named(tmp_path):
     """Where the system says nothing of a file, in its own words."""
     with pytest.raises(FileNotFoundError) as caught:
         (tmp_path / "none" / "file").write_text("")
-    assert problem_of(caught.value) == f"{tmp_path}/none/file: No such file or directory"
-    assert problem_of(OSError(28, "No space left on device")) == "No space left on device"
-    assert problem_of(OSError("strange")) == "strange"
+    assert reason_of(caught.value) == f"{tmp_path}/none/file: No such file or directory"
+    assert reason_of(OSError(28, "No space left on device")) == "No space left on device"
+    assert reason_of(OSError("strange")) == "strange"
 
 
 def test_who_reads_no_further_is_no_mistake():
     """The command line sees to that."""
     with pytest.raises(BrokenPipeError):
-        problem_of(BrokenPipeError(32, "Broken pipe"))
+        reason_of(BrokenPipeError(32, "Broken pipe"))

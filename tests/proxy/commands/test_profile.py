@@ -67,13 +67,17 @@ def test_too_much_is_refused(capsys):
 
 
 def test_a_file_that_cannot_be_written_is_named(daemon, capsys, tmp_path):
-    """The table is printed all the same."""
+    """Before anybody is asked; where it is found out afterwards the table is printed all the same."""
     where = str(tmp_path / "missing" / "flame.svg")
-    command = ["profile", "--seconds", "0.1", "--flame", where, "--connect", daemon.endpoint]
-    assert main(command) == exit_codes.FAILED
+    command = ["profile", "--seconds", "0.1", "--connect", daemon.endpoint, "--flame"]
+    assert main([*command, where]) == exit_codes.FAILED
+    caught = capsys.readouterr()
+    assert not caught.out
+    assert caught.err == f"sendworthy profile: cannot write {where}: No such file or directory\n"
+    assert main([*command, "/dev/full"]) == exit_codes.FAILED
     caught = capsys.readouterr()
     assert "STAGE" in caught.out
-    assert caught.err == f"sendworthy profile: cannot write {where}: No such file or directory\n"
+    assert caught.err == "sendworthy profile: cannot write /dev/full: No space left on device\n"
 
 
 def test_a_refusal_is_told(stand_in, capsys):
