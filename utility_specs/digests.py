@@ -35,8 +35,15 @@ def left_by(digests: float, measure: Measure) -> float:
     return max(measure.limit - digests, LEAST_LEFT * measure.limit)
 
 
+def least_limit(robots: int) -> float:
+    """The rate of which `MUCH` is for digests [B/s]: a lower one leaves little to samples."""
+    return LEAST_RATE * robots / MUCH
+
+
 def warning(measure: Measure, robots: int) -> str:
-    """Say that digests leave too little of a limit to samples; nothing where they do not."""
+    """Say that digests leave too little of a limit to samples; nothing where they do not, as nobody is told any."""
+    if robots < 2:
+        return ""
     left = left_by(least_use(measure, robots), measure)
     if left >= (1.0 - MUCH) * measure.limit:
         return ""

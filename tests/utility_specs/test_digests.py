@@ -27,5 +27,6 @@ def test_a_limit_that_leaves_enough_is_left_alone():
     """The fewer robots there are the lower it may be."""
     assert digests.warning(Throughput(1600.0, 0.5), 4) == ""
     assert digests.warning(Throughput(1599.0, 0.5), 4) != ""
-    assert digests.warning(Throughput(625.0, 0.5), 1) == ""
+    assert digests.warning(Throughput(25.0, 0.5), 1) == ""
+    assert digests.warning(Throughput(digests.least_limit(9), 0.5), 9) == ""
     assert digests.warning(Messages(10, 0.5), 4) == ""
