@@ -235,10 +235,19 @@ class Client:
             else:
                 late = _late(reply.err, TIMEOUT + longer)
         if not answers:
-            own = key.startswith(f"{keys.PREFIX}/")
-            who = f'of robot "{key.split("/")[1]}" ' if "*" not in key else ""
-            raise NoAnswerError(f"{f'no daemon {who}' if own else 'nobody '}answers at {self._where}{late}")
+            raise NoAnswerError(f"{self._nobody(key, late=bool(late))} answers at {self._where}{late}")
         return answers
+
+    def _nobody(self, key: str, *, late: bool) -> str:
+        """Say who does not answer on a key. Raises NoAnswerError where a daemon does not know what it is asked."""
+        if not key.startswith(f"{keys.PREFIX}/"):
+            return "nobody"
+        robot = key.split("/")[1]
+        if robot == "*":
+            return "no daemon"
+        if not late and key != keys.status(robot) and self.status(robot):
+            raise NoAnswerError(f'the daemon of robot "{robot}" at {self._where} is of a version that cannot do that')
+        return f'no daemon of robot "{robot}"'
 
 
 def parsed(answer: str) -> Any:
