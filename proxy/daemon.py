@@ -260,6 +260,7 @@ class Daemon:
             why=lambda raw: why.answer(self._loop.core, clock.monotonic(), why.read(raw)),
             switch=self._ordered,
             profile=profiler.start,
+            end_profile=profiler.end,
             specs=lambda: _described(self._live.runtime.specs, self.reloading.loaded.specs),
         )
         opening.callback(control.close)

@@ -17,7 +17,7 @@ from proxy.config_files import ConfigFiles, watched
 from proxy.errors import ConfigError
 from proxy.pushed import Folder
 from proxy.watching import FileWatch
-from utility_specs import Specs, SpecsError, load_specs
+from utility_specs import Specs, SpecsError, digests, load_specs
 from utility_specs.errors import SpecProblem
 from utility_specs.loader import holds_specs
 
@@ -37,6 +37,13 @@ def read_specs(path: Path) -> Specs:
     with suppress(OSError, RuntimeError):  # RuntimeError: links in a circle; what is wrong is said when it is read
         Folder(path).mend()
     return load_specs(path) if holds_specs(path) else Specs.empty()
+
+
+def warn(loaded: Loaded) -> None:
+    """Log which limits would hold little beside what daemons tell each other."""
+    for limit in loaded.specs.constraints:
+        if warning := digests.warning(limit.measure, digests.TEAM):
+            log.warning('%s: constraint "%s": %s', loaded.config.specs.path, limit.name, warning)
 
 
 class Reloading:
@@ -113,6 +120,8 @@ class Reloading:
         self._done += 1  # the status says it before the log does: who reads that may ask at once
         specs = f"specs {loaded.specs.generation} in force" if loaded.specs.types else "no specs, everything passes"
         log.info("%s: %s%s", why, specs, "".join(map(_told, changed)))
+        if loaded.specs.generation != before.specs.generation:
+            warn(loaded)
         for outdated in loaded.config.outdated:
             if outdated not in before.config.outdated:
                 log.warning("%s", outdated)

@@ -1,4 +1,4 @@
-"""Files as they were named on the command line."""
+"""Files as they were named on the command line, and what is said of those that cannot be read or written."""
 
 import os
 from collections.abc import Collection, Sequence
@@ -14,3 +14,10 @@ def once(paths: Sequence[Path], parts: Collection[str] = ()) -> list[Path]:
     for path in paths:
         found.setdefault(Path(os.path.realpath(path)), path)
     return [path for real, path in found.items() if real.suffix not in parts or real.parent not in found]
+
+
+def reason_of(error: OSError) -> str:
+    """Say what cannot be read or written. Raises the error again where nobody reads our output: that is no mistake."""
+    if isinstance(error, BrokenPipeError):
+        raise error
+    return f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error)

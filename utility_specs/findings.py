@@ -7,6 +7,7 @@ from itertools import combinations
 import zenoh
 
 from planner.utility import Custom
+from utility_specs import digests
 from utility_specs.constraint_tables import AnyConstraintTable
 from utility_specs.errors import SpecProblem
 from utility_specs.loader import LoadedFile
@@ -152,12 +153,14 @@ def _idle(each: _Type) -> Iterator[Finding]:
 
 
 def _large(each: _Constraint, types: Sequence[_Type]) -> Iterator[Finding]:
-    """Samples that fill more than a window: they can be sent, but rarely."""
+    """Limits that hold little beside digests, and samples that fill more than a window: they can be sent, rarely."""
     measure = each.spec.measure
     if measure.use(1, 1, own=True) > measure.limit:
         window = f"in any {measure.window:g} s"
         yield each.finding("limit", f"is too low for a single sample of one byte {window}: almost nothing can be sent")
         return
+    if warning := digests.warning(measure, digests.TEAM):
+        yield each.finding("limit", warning)
     for one in types:
         part = measure.use(one.size, 1, own=True) / measure.limit
         if one.type.planned and part > TOO_MUCH:

@@ -14,7 +14,7 @@ from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 from proxy.errors import ProxyError
 from proxy.profiling.profile import Profile
-from proxy.profiling.request import Request, read
+from proxy.profiling.request import END, Request, read
 
 LIVE = b"live"
 """Asks for that part of the status which `sendworthy top` shows."""
@@ -32,8 +32,8 @@ class Control:
     """Answers `@sendworthy/<robot>/status` with JSON, takes a mode on `…/mode`, is profiled on `…/profile`.
 
     On `…/why` it tells the last decisions, on `…/specs` the files of the specs in force. `on_loop` runs a function on
-    the loop's thread, where `status`, `live`, `why`, `switch`, `profile` and `specs` are called. Who asks for the
-    status with the payload `live` hears less of each stream.
+    the loop's thread, where all other functions are called. Who asks for the status with the payload `live` hears less
+    of each stream; who asks to be profiled with the payload `end` ends the profile that is being taken, and has it.
     """
 
     def __init__(
@@ -48,6 +48,7 @@ class Control:
         why: Callable[[bytes], dict[str, Any]],
         switch: Callable[[Mode], None],
         profile: Callable[[Request, Callable[[Profile], None]], None],
+        end_profile: Callable[[Callable[[Profile], None]], None],
         specs: Callable[[], dict[str, Any]],
     ) -> None:
         self._executor = executor
@@ -57,6 +58,7 @@ class Control:
         self._why = why
         self._switch = switch
         self._profile = profile
+        self._end_profile = end_profile
         self._specs = specs
         self._queryables: list[Declaration] = [
             self._declare(app, keys.status(robot), self._answer_status),
@@ -104,9 +106,15 @@ class Control:
         def tell(profile: Profile) -> None:
             _tell(query, key, json.dumps(profile.write()), zenoh.Encoding.APPLICATION_JSON)
 
+        def told(profile: Profile) -> None:
+            self._executor.insist(partial(tell, profile))
+
+        payload = bytes(query.payload or b"")
         try:
-            request = read(bytes(query.payload or b""))
-            self._profile(request, lambda profile: self._executor.insist(partial(tell, profile)))
+            if payload == END:
+                self._end_profile(told)
+            else:
+                self._profile(read(payload), told)
         except ProxyError as error:
             self._executor.insist(partial(_refuse, query, str(error)))
 

@@ -17,8 +17,8 @@ DESCRIPTION = """\
 Checks files of utility specs, or folders of them, as one set and without a daemon; with --config a configuration and
 the specs that it names. Every mistake is named with its file, line and key; so is, as a warning, what can be flown but
 hardly is meant: keys that an earlier type takes, features that nothing uses, samples that fill more than a window,
-limits that never bind. Guarantees that the limits cannot bear are mistakes, as far as forecast.size, forecast.streams
-and forecast.schedule tell.
+limits that never bind, or hold little beside what the daemons of four robots tell each other. Guarantees that limits
+cannot bear are mistakes, as far as forecast.size, forecast.streams and forecast.schedule tell.
 
 The exit code is 0 when there is no mistake, whatever the warnings, 1 with any, and 2 for a wrong command line.
 """

@@ -24,7 +24,7 @@ from proxy.errors import ProxyError
 from proxy.fleet_token import proofs, read_token, token_of
 from proxy.printable import clean
 from proxy.profiling.profile import Profile, read
-from proxy.profiling.request import Request
+from proxy.profiling.request import END, Request
 from proxy.why import Question
 
 DAEMON = "tcp/127.0.0.1:7447"
@@ -144,8 +144,11 @@ class Client:
             raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
 
     def profile(self, robot: str, request: Request) -> Profile:
-        """Have the daemon of `robot` profiled; return the profile. Raises NoAnswerError."""
-        (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds)
+        """Have the daemon of `robot` profiled, until Ctrl-C at most; return the profile. Raises NoAnswerError."""
+        try:
+            (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds)
+        except KeyboardInterrupt:
+            (answer, *_) = self._ask(keys.profile(robot), END)
         try:
             return read(parsed(answer))
         except (ValueError, TypeError, KeyError):
@@ -232,10 +235,19 @@ class Client:
             else:
                 late = _late(reply.err, TIMEOUT + longer)
         if not answers:
-            own = key.startswith(f"{keys.PREFIX}/")
-            who = f'of robot "{key.split("/")[1]}" ' if "*" not in key else ""
-            raise NoAnswerError(f"{f'no daemon {who}' if own else 'nobody '}answers at {self._where}{late}")
+            raise NoAnswerError(f"{self._nobody(key, late=bool(late))} answers at {self._where}{late}")
         return answers
+
+    def _nobody(self, key: str, *, late: bool) -> str:
+        """Say who does not answer on a key. Raises NoAnswerError where a daemon does not know what it is asked."""
+        if not key.startswith(f"{keys.PREFIX}/"):
+            return "nobody"
+        robot = key.split("/")[1]
+        if robot == "*":
+            return "no daemon"
+        if not late and key != keys.status(robot) and self.status(robot):
+            raise NoAnswerError(f'the daemon of robot "{robot}" at {self._where} is of a version that cannot do that')
+        return f'no daemon of robot "{robot}"'
 
 
 def parsed(answer: str) -> Any:

@@ -15,6 +15,7 @@ from proxy.commands.listening import MOST_BYTES, Listener
 from proxy.commands.team import Status, notes_on, robots_of
 from proxy.config_values import key_expression
 from proxy.core.forecast.schedule import Schedule
+from proxy.output import check_writable
 from utility_specs import SpecsError, load_specs
 from utility_specs.learning import LearningError, learn
 from utility_specs.learning.recording import Reader, RecordingError, Writer
@@ -187,10 +188,11 @@ def _check(text: str) -> None:
 
 
 def _check_free(path: Path, *, force: bool) -> None:
-    """Raise OutputError where a file stands in the way."""
+    """Raise OutputError where a file stands in the way, or none could be written."""
     try:
         if path.exists() and not force:
             raise OutputError(f"{path} exists; --force replaces it")
+        check_writable([path], folders=True)
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror}") from None
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from proxy import exit_codes
 from proxy.commands.client import NoAnswerError, add_client_flags, connected
+from proxy.output import check_writable
 from proxy.profiling.flame import flame
 from proxy.profiling.request import RATE, SECONDS, ProfileError, Request
 from proxy.profiling.table import table
@@ -30,6 +31,7 @@ for a sample, of a core, and of all that the daemon took. The stages:
 Each thread counts with what the kernel says that it took; who waits counts nothing. ± is by how much a part may well be
 off: a longer profile is more exact. Looking costs some 0.3 % of a core, which is told, and nothing when nobody asks.
 One profile is taken at a time; `sendworthy status --json` shows the stages of the last one (daemon.profile).
+Ctrl-C ends it, and what was seen until then is shown.
 """
 EXAMPLES = """\
 examples:
@@ -74,8 +76,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Ask, wait and print; return the exit code."""
     try:
         request = Request(arguments.seconds, arguments.rate)
+        check_writable([arguments.flame])
     except ProfileError as error:
         return _failed(error, exit_codes.USAGE)
+    except OSError as error:
+        return _failed(f"cannot write {error.filename}: {error.strerror}", exit_codes.FAILED)
     try:
         with connected(arguments.connect) as daemon:
             profile = daemon.profile(arguments.robot or daemon.only_robot(), request)

@@ -20,7 +20,7 @@ from proxy.log import set_up_logging
 from proxy.lost_threads import LostThreads
 from proxy.notices import Notices
 from proxy.priority import lengthen_slice, raise_priority
-from proxy.reloading import Reloading, read_specs
+from proxy.reloading import Reloading, read_specs, warn
 from proxy.requests import Requests
 from proxy.service import Service
 from proxy.version import version
@@ -127,6 +127,7 @@ def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read
     daemon.start()
     settle()
     log.info("%s", started(config, specs, daemon.robot))
+    warn(daemon.reloading.loaded)
     service.ready(started(config, specs, daemon.robot))
     if service.watchdog is not None:
         daemon.watch(service.alive, service.watchdog / FEEDS)

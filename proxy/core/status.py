@@ -12,7 +12,13 @@ from proxy.core.protocol.messages import tag
 from proxy.core.transit.latency import Latency
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
-from proxy.core.view.warnings import cast_warnings, mode_warnings, namesake_warnings, transport_warnings
+from proxy.core.view.warnings import (
+    cast_warnings,
+    digest_warnings,
+    mode_warnings,
+    namesake_warnings,
+    transport_warnings,
+)
 from utility_specs import InformationType
 
 LIVE = (
@@ -61,6 +67,7 @@ def report(
             *mode_warnings(core.gate.appraisal.mode, core.view.peers, core.budget.limits),
             *core.mismatched.warnings(),
             *cast_warnings(core.budget.limits, core.settings.transport),
+            *digest_warnings(core.budget.limits, core.view.members.speaking + 1),
             *core.view.clocks.warnings(),
         ],
         "malformed": sum(count for kind, count in refused.items() if not kind.endswith(UNDERSTOOD)),

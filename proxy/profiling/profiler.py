@@ -34,6 +34,8 @@ class Profiler:
         self._flush = flush
         self._samples = samples
         self._ends = -math.inf
+        self._told: list[Told] = []
+        """Who gets the profile that is being taken."""
         self._sampler: Sampler | None = None
         self._thread: threading.Thread | None = None
         self.last: Profile | None = None
@@ -49,14 +51,22 @@ class Profiler:
             raise ProfileError(f"a profile is being taken; it ends in {max(self._ends - now, 0.0):.1f} s")
         self._sampler = sampler = Sampler(find_layout(), request.seconds, request.rate)
         self._ends = now + request.seconds
+        self._told = [told]
 
         def begin() -> None:
-            work = partial(self._run, sampler, self._samples(), told)
+            work = partial(self._run, sampler, self._samples())
             thread = threading.Thread(target=work, name="profiler", daemon=True)
             thread.start()
             self._thread = thread
 
         self._counted(begin)
+
+    def end(self, told: Told) -> None:
+        """End the profile that is being taken; `told` gets it, too. Raises ProfileError where there is none."""
+        if self._sampler is None:
+            raise ProfileError("no profile is being taken")
+        self._told.append(told)
+        self._sampler.stop()
 
     def close(self, timeout: float) -> None:
         """End a profile that is being taken; wait for it at most `timeout` [s]. From any thread."""
@@ -66,17 +76,17 @@ class Profiler:
         if thread is not None:
             thread.join(timeout)
 
-    def _run(self, sampler: "Sampler", before: Samples, told: Told) -> None:
+    def _run(self, sampler: "Sampler", before: Samples) -> None:
         spent = sampler.run()
         found = branches(spent, sampler.whole)
-        self._post(lambda: self._counted(lambda: self._end(sampler, found, before, told)))
+        self._post(lambda: self._counted(lambda: self._end(sampler, found, before)))
 
     def _counted(self, then: Callable[[], None]) -> None:
         """Go on when everything is counted that crossed up to now."""
         self._flush()
         self._post(then)
 
-    def _end(self, sampler: "Sampler", found: tuple[Branch, ...], before: Samples, told: Told) -> None:
+    def _end(self, sampler: "Sampler", found: tuple[Branch, ...], before: Samples) -> None:
         self.last = Profile(
             robot=self._robot,
             seconds=sampler.seconds,
@@ -86,4 +96,5 @@ class Profiler:
             branches=found,
         )
         self._sampler = self._thread = None
-        told(self.last)
+        for told in self._told:
+            told(self.last)

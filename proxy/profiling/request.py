@@ -5,6 +5,8 @@ from dataclasses import asdict, dataclass
 
 from proxy.errors import ProxyError
 
+END = b"end"
+"""Asks for the end of the profile that is being taken, and for what it saw until then."""
 SECONDS = (0.1, 60.0)
 """How long a profile may take [s]."""
 RATE = (1.0, 1000.0)

@@ -8,6 +8,7 @@ from pathlib import Path
 from proxy import exit_codes
 from proxy.extras import needs
 from proxy.printable import clean
+from studies.given import reason_of
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION
 
@@ -77,13 +78,19 @@ def run(arguments: argparse.Namespace) -> int:
     except doing.RecordMissingError:
         print(f"sendworthy bench: --make {needs('record')}", file=sys.stderr)
         return exit_codes.FAILED
-    except (BenchError, OracleError, OSError) as error:
-        print(clean(f"sendworthy bench: {error}"), file=sys.stderr)
-        return exit_codes.FAILED
+    except (BenchError, OracleError) as error:
+        return _failed(str(error))
+    except OSError as error:
+        return _failed(reason_of(error))
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG
     return exit_codes.OK
+
+
+def _failed(reason: str) -> int:
+    print(clean(f"sendworthy bench: {reason}"), file=sys.stderr)
+    return exit_codes.FAILED
 
 
 def _count(text: str) -> int:

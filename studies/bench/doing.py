@@ -8,6 +8,7 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 
+from proxy.output import check_writable
 from studies.bench.errors import BenchError
 from studies.bench.flying import BUILT_IN, Score
 from studies.bench.folder import SUFFIX, find, load, write_sums
@@ -51,6 +52,7 @@ def _make(arguments: argparse.Namespace) -> None:
         raise BenchError("--make FILE and --recording FILE go together: what is written, and of what")
     if arguments.make.suffix != SUFFIX:
         raise BenchError(f"{arguments.make}: the file of a mission ends in {SUFFIX}")
+    check_writable([arguments.make])
     try:
         from proxy.recording.errors import RecordingError  # noqa: PLC0415 - needs an extra
         from studies.bench.recorded import of_recording  # noqa: PLC0415
@@ -80,6 +82,8 @@ def _list() -> None:
 
 
 def _fly(arguments: argparse.Namespace) -> None:
+    check_writable([arguments.json])
+    check_writable([arguments.leaderboard], folders=True)
     missions = find(arguments.missions)
     ours = [] if arguments.only else list(BUILT_IN)
     policies = list(dict.fromkeys([*ours, *arguments.policy]))

@@ -11,18 +11,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
+from proxy.output import check_writable
 from studies.demo.air import LONGEST
 from studies.demo.events import Event, write_events
 from studies.demo.figures import figures
 from studies.demo.footage import find_footage, share
 from studies.demo.live import Mission, Seen
-from studies.demo.mosaic import draw
+from studies.demo.mosaic import draw, is_picture
 from studies.demo.nodes import DOWNSAMPLED, PHASES, WITH, WITHOUT
 from studies.demo.phase import Conditions, Progress, run_phase
 from studies.demo.processes import DemoError
 from studies.demo.recording import recordings
 from studies.demo.table import table
 from studies.demo.world import moment, schedule
+from studies.given import reason_of
 
 DESCRIPTION = """\
 Robots drive through a drawn world and film, a medium that is too small carries, an operator watches who sees
@@ -107,14 +109,23 @@ def run(arguments: argparse.Namespace) -> int:
                 _live(arguments, Path(name))
             else:
                 _compare(arguments, Path(name))
-    except (DemoError, OSError) as error:
-        print(f"sendworthy demo: {error}", file=sys.stderr)
-        return FAILED
+    except DemoError as error:
+        return _failed(str(error))
+    except OSError as error:
+        return _failed(reason_of(error))
     return 0
+
+
+def _failed(reason: str) -> int:
+    print(f"sendworthy demo: {reason}", file=sys.stderr)
+    return FAILED
 
 
 def _compare(arguments: argparse.Namespace, folder: Path) -> None:
     """Run all phases, one after the other, and report."""
+    check_writable([arguments.json, arguments.events, arguments.picture])
+    if not is_picture(arguments.picture):
+        raise DemoError(f"--picture {arguments.picture}: a picture is a file such as demo.png or demo.jpg")
     conditions = _conditions(arguments, arguments.seconds or 30.0)
     folders = {phase: folder / phase for phase in PHASES}
     events: list[Event] = []

@@ -27,6 +27,11 @@ TITLES = {
 WHITE, GREY, RED, INK = (255, 255, 255), (90, 90, 90), (40, 40, 230), (30, 30, 30)
 
 
+def is_picture(path: Path) -> bool:
+    """Whether a file of this name can be drawn."""
+    return bool(cv2.haveImageWriter(str(path)))
+
+
 def draw(photographs: Mapping[str, Path], recordings: Mapping[str, Recording], at: float, path: Path) -> None:
     """Draw all screens as of the time `at` [s]; `photographs` holds the folder of frames for each phase."""
     screens = [_screen(phase, recordings[phase], folder, at) for phase, folder in photographs.items()]

@@ -8,7 +8,7 @@ from proxy import exit_codes
 from proxy.extras import needs, there
 from proxy.printable import clean
 from studies.foreign.errors import ImportFailedError
-from studies.given import once
+from studies.given import once, reason_of
 from utility_specs.errors import SpecsError
 
 DESCRIPTION = """\
@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     except ImportFailedError as error:
         return _failed(str(error))
     except OSError as error:
-        return _failed(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        return _failed(reason_of(error))
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG

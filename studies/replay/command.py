@@ -7,6 +7,7 @@ from pathlib import Path
 from proxy import exit_codes
 from proxy.extras import needs
 from proxy.printable import clean
+from studies.given import reason_of
 from studies.replay.errors import ReplayError
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION, RATE
@@ -83,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     except ReplayError as error:
         return _failed(str(error))
     except OSError as error:
-        return _failed(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        return _failed(reason_of(error))
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG

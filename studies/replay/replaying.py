@@ -9,6 +9,7 @@ import numpy as np
 
 from proxy import exit_codes
 from proxy.extras import needs, there
+from proxy.output import check_writable
 from proxy.printable import clean
 from proxy.recording.entries import SpecsText
 from proxy.recording.errors import RecordingError
@@ -46,6 +47,7 @@ WHAT_IF = ("specs", "limit", "robots", "policy", "iterations", "latency", "loss"
 def replay(arguments: argparse.Namespace) -> int:
     """Replay, print and write what was asked for; return the exit code. Raises ReplayError, SpecsError or OSError."""
     _check_extras(arguments)
+    check_writable([arguments.json, arguments.html])
     asked = any(getattr(arguments, name) is not None for name in WHAT_IF)
     arguments.files = once(arguments.files)
     files, problems = opened(arguments.files)

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from proxy.core.model.settings import UNICAST
-from proxy.core.model.tuning import TUNING as MODEL
 from studies.simulation.churn import Happening
 from studies.simulation.clocks import Clock
 from studies.simulation.medium import Way
+from utility_specs.digests import LEAST_RATE
 
 WARM_UP = 10.0
 """Flown but not scored [s]."""
@@ -67,4 +67,4 @@ class Conditions:
         """Return what the specs allow per window so that `carried` is left to messages [B]."""
         if self.digests_inside:
             return carried
-        return max(carried / (1.0 - self.allowance), carried + MODEL.least_allowance * self.members * self.window)
+        return max(carried / (1.0 - self.allowance), carried + LEAST_RATE * self.members * self.window)

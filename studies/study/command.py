@@ -7,6 +7,7 @@ from pathlib import Path
 from proxy import exit_codes
 from proxy.extras import needs
 from proxy.printable import clean
+from studies.given import reason_of
 from utility_specs.errors import QuantityError, SpecsError
 from utility_specs.units import DURATION
 
@@ -83,13 +84,19 @@ def run(arguments: argparse.Namespace) -> int:
         return exit_codes.FAILED
     try:
         characteristic(arguments)
-    except (StudyError, ReplayError, RecordingError, OSError) as error:
-        print(clean(f"sendworthy study: {error}"), file=sys.stderr)
-        return exit_codes.FAILED
+    except (StudyError, ReplayError, RecordingError) as error:
+        return _failed(str(error))
+    except OSError as error:
+        return _failed(reason_of(error))
     except SpecsError as error:
         print(error, file=sys.stderr)
         return exit_codes.CONFIG
     return exit_codes.OK
+
+
+def _failed(reason: str) -> int:
+    print(clean(f"sendworthy study: {reason}"), file=sys.stderr)
+    return exit_codes.FAILED
 
 
 def _duration(text: str) -> float:

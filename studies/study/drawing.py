@@ -1,5 +1,6 @@
 """How figures of the study look: lines that are told apart by colour, in grey and by their marks; SVG and PNG."""
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -90,7 +91,9 @@ def _drawn(paths: Sequence[Path], rows: int, columns: int, size: tuple[float, fl
         try:
             yield drawn, axes
             for path in paths:
-                drawn.savefig(path, dpi=130, metadata=METADATA[path.suffix])
+                kind, written = path.suffix.removeprefix("."), io.BytesIO()
+                drawn.savefig(written, format=kind, dpi=130, metadata=METADATA[path.suffix])
+                path.write_bytes(written.getvalue())  # by ourselves: on a full disk the writer of .pdf fails otherwise
         finally:
             plt.close(drawn)
 

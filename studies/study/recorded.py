@@ -12,6 +12,7 @@ import numpy as np
 
 from planner import Problem
 from proxy.extras import needs, there
+from proxy.output import check_writable
 from proxy.printable import clean
 from proxy.recording.reading import RecordingReader
 from studies.bench.errors import BenchError
@@ -57,6 +58,7 @@ def characteristic(arguments: argparse.Namespace) -> None:
             raise StudyError(f"{picture}: a picture is a file of {', '.join(PICTURES)}")
         if not there("matplotlib"):
             raise StudyError(f"--picture {needs('study')}")
+    check_writable([arguments.json, picture])
     arguments.files = once(arguments.files)
     of_bench = [path for path in arguments.files if path.suffix == SUFFIX]
     mission, problem = _drawn(arguments) if of_bench else _recorded(arguments)

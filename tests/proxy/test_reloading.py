@@ -60,6 +60,15 @@ def test_changed_specs_are_put_in_force_once(files):
     assert files.applied == [(2.0, [])]
 
 
+def test_a_limit_that_holds_little_beside_digests_is_told(files, caplog):
+    """Where the daemon reads it, at its start or later; it is in force."""
+    files.specs.write_text('[[constraint]]\nkind = "throughput"\nlimit = "5 kbit/s"\n' + SPECS)
+    assert files.looked()["done"] == 1
+    assert (
+        f'{files.specs.parent}: constraint "throughput": 64 % of it is for what the daemons of 4 robots' in caplog.text
+    )
+
+
 def test_what_says_the_same_changes_nothing(files):
     """A comment is read and nothing else happens."""
     files.specs.write_text("# the camera\n" + SPECS)

@@ -76,9 +76,9 @@ def test_guarantees_of_all_types_add_up(find):
 
 def test_energy_is_each_robots_own(find):
     """Streams of all robots together do not count against the battery of one."""
-    energy = '[[constraint]]\nkind = "energy"\nlimit = "1 J"\nwindow = 1\nper_message = "0.6 J"\n'
-    assert find(energy + CAMERA + 'min_rate = "1 Hz"\nforecast.streams = 9') == ([], [])
-    assert find(energy + CAMERA + 'min_rate = "2 Hz"\n')[0] == [
+    energy = '[[constraint]]\nkind = "energy"\nlimit = "1 J"\nwindow = 0.1\nper_message = "0.6 J"\n'
+    assert find(energy + CAMERA + 'min_rate = "10 Hz"\nforecast.streams = 9') == ([], [])
+    assert find(energy + CAMERA + 'min_rate = "20 Hz"\n')[0] == [
         '3: constraint #1: limit: is less than what is guaranteed: "camera" (120 %)'
     ]
 
@@ -118,6 +118,14 @@ def test_nobody_can_send_what_is_not_generated(find, schedule, rate):
             (
                 "3: constraint #1: limit: is too low for a single sample of one byte in any 0.5 s: "
                 "almost nothing can be sent"
+            ),
+        ),
+        (
+            LIMIT.replace("80 kbit/s", "5 kbit/s") + CAMERA,
+            (
+                "3: constraint #1: limit: 64 % of it is for what the daemons of 4 robots tell each other, "
+                "100 B/s for each, which leaves 112 B in 0.5 s to samples: raise it, or set the same rate over a "
+                "longer window, until each robot's part holds a sample"
             ),
         ),
         (

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import accumulate
 from statistics import median
 
+from utility_specs import digests
 from utility_specs.learning.candidates import candidates_of
 from utility_specs.learning.naming import type_name
 from utility_specs.learning.patterns import Kind
@@ -89,14 +90,17 @@ def _constraint(traffic: Traffic, types: Sequence[Learned], robots: Sequence[str
     """Yield a limit that lets pass what was seen, and follows the channel where that is less."""
     copies = max(1, (len(robots) or max(len(each.kind.streams) for each in types)) - 1)
     usual, most = traffic.rate(0.5), traffic.rate(1.0)
-    ceiling, guess = rounded_up(MARGIN * most * copies), rounded_up(usual * copies)
+    margin, least = MARGIN * most * copies, digests.least_limit(max(digests.TEAM, len(robots)))
+    ceiling, guess = rounded_up(max(margin, least)), rounded_up(usual * copies)
+    beside = f" or, as is more here, to {rate(ceiling)}: room beside what daemons tell each other" * (margin < least)
     yield from prose(
         f"SET THE LIMIT. What was seen takes {rate(usual)} as a rule and {rate(most)} at most in {WINDOW:g} s, in one"
         f" copy of each sample; in unicast each robot that wants it costs one, up to {copies} here."
     )
     yield from prose(
-        f"As it stands, the limit follows the channel, up to {MARGIN:g} times that. If you know what the channel can"
-        f' carry, for all robots, write 90 % of that and no ceiling; limit = "{rate(guess)}" is what is usual here.'
+        f"As it stands, the limit follows the channel, up to {MARGIN:g} times that{beside}. If you know what the"
+        " channel can carry, for all robots, write 90 % of that and no ceiling;"
+        f' limit = "{rate(guess)}" is what is usual here.'
     )
     yield from ("[[constraint]]", 'kind = "throughput"', 'limit = "adaptive"', f'ceiling = "{rate(ceiling)}"')
     yield f"window = {WINDOW:g}"

@@ -6,10 +6,10 @@ from proxy.core.coordination.budget import Budget
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.limits import allowance_of, shortest_window
-from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.protocol.digest_codec import pack_digest
 from proxy.core.protocol.messages import Digest, State
 from proxy.core.view.view import SharedView
+from utility_specs.digests import LEAST_RATE
 
 
 class Account:
@@ -19,7 +19,7 @@ class Account:
         self._view = view
         self._limits = limits
         self._budget = budget
-        self._allowance = MODEL.least_allowance
+        self._allowance = LEAST_RATE
         """What all robots may tell each other [B/s]."""
         self.told, self.heard = 0, 0
         """What this robot and the others told since the start, copies and overhead included [B]."""

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from itertools import chain
 
 from proxy.core.gossip.tuning import TUNING
-from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.protocol.messages import Echo
+from utility_specs.digests import LEAST_RATE
 
 
 class StateBudget:
@@ -147,9 +147,9 @@ class DigestBudget:
     """Spends the allowance of this robot, at first what comes in `saved` [s]; each begins at another `turn`."""
 
     def __init__(self, now: float, turn: float = 0.0, saved: float = 0.0) -> None:
-        self.states = StateBudget(MODEL.least_allowance)
+        self.states = StateBudget(LEAST_RATE)
         self.echoes = EchoBudget()
-        self.rate = MODEL.least_allowance
+        self.rate = LEAST_RATE
         """The allowance of all robots together [B/s]."""
         self._robots, self._copies, self._follows = 1, 1, False
         self._saved, self._splits, self._quiet, self._window = saved, False, False, 0.0
@@ -158,7 +158,7 @@ class DigestBudget:
         """What all told in the last window, and when anybody told anything last [s]."""
         self._common = 0.0
         """What is left of the allowance of all [B]."""
-        self._own = MODEL.least_allowance
+        self._own = LEAST_RATE
         """What is left of our share for ordinary news [B]."""
         self._updated = now
         self._afforded = math.inf

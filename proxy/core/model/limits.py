@@ -9,6 +9,7 @@ from planner import Constraint
 from planner.measures import Measure
 from proxy.core.model.tuning import TUNING
 from utility_specs import ConstraintSpec, Specs
+from utility_specs.digests import LEAST_RATE, least_use, left_by, use_per_byte, users
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +67,7 @@ def in_force(limits: tuple[Limit, ...], factors: Sequence[float]) -> tuple[Limit
 def allowance_of(specs: Specs, allowance: float, robots: int) -> float:
     """Return what the digests of so many robots may use together [B/s], all copies counted."""
     rates = [robots * _digest_rate(spec.measure, allowance, robots) for spec in specs.constraints]
-    return max(min(rates, default=0.0), robots * TUNING.least_allowance)
+    return max(min(rates, default=0.0), robots * LEAST_RATE)
 
 
 def use_of(size: int, copies: int, limits: tuple[Limit, ...], *, own: bool = True) -> tuple[float, ...]:
@@ -112,24 +113,11 @@ def shortest_window(limits: Iterable[Limit]) -> float:
 
 def _limit(spec: ConstraintSpec, allowance: float, robots: int) -> Limit:
     measure = spec.measure
-    least = TUNING.least_allowance * _use_per_byte(measure, robots) * measure.window
-    digests = max(allowance * measure.limit, least * _users(measure, robots))
-    left = max(measure.limit - digests, TUNING.least_left * measure.limit)
-    return Limit(spec.name, measure.window, left, measure, spec.least)
+    digests = max(allowance * measure.limit, least_use(measure, robots))
+    return Limit(spec.name, measure.window, left_by(digests, measure), measure, spec.least)
 
 
 def _digest_rate(measure: Measure, allowance: float, robots: int) -> float:
     """What the digests of one robot may use by one measure [B/s], all copies together."""
-    part = allowance * measure.limit / measure.window / _users(measure, robots)
-    return part / _use_per_byte(measure, robots)
-
-
-def _use_per_byte(measure: Measure, robots: int) -> float:
-    """What digests use per byte at most, all copies together: the smallest ones use most."""
-    copies = max(1, robots - 1)
-    return measure.use(TUNING.least_digest, copies, own=True) / (TUNING.least_digest * copies)
-
-
-def _users(measure: Measure, robots: int) -> int:
-    """How many robots' digests count."""
-    return 1 if measure.private else robots
+    part = allowance * measure.limit / measure.window / users(measure, robots)
+    return part / use_per_byte(measure, robots)

@@ -7,6 +7,7 @@ from proxy.core.model.limits import Limit
 from proxy.core.model.mode import Mode
 from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.view.peer import Peer
+from utility_specs import digests
 
 
 def transport_warnings(settings: CoreSettings, peers: Mapping[str, Peer]) -> list[str]:
@@ -62,3 +63,9 @@ def cast_warnings(limits: Iterable[Limit], transport: str) -> list[str]:
         for limit in limits
         if isinstance(limit.measure, Airtime) and limit.measure.cast != cast
     ]
+
+
+def digest_warnings(limits: Iterable[Limit], robots: int) -> list[str]:
+    """Name every limit of which the digests of so many robots leave little."""
+    said = {limit.name: digests.warning(limit.measure, robots) for limit in limits}
+    return [f'constraint "{name}": {warning}' for name, warning in said.items() if warning]

@@ -8,13 +8,13 @@ import numpy as np
 
 from planner import Aggregation, Constraint, Message, Problem, Stream
 from planner.utility import Floats
-from proxy.core.model.tuning import TUNING as MODEL
 from studies.simulation import conditions, missions
 from studies.simulation.missions import OPERATOR, scenario, specs_of
 from studies.simulation.records import Frame
 from studies.simulation.traffic.kinds import Kind
 from studies.simulation.traffic.workloads import WORKLOADS, Workload
 from utility_specs import Specs
+from utility_specs.digests import LEAST_RATE
 
 RATE = 1e7
 """Of the medium [B/s]: limits lie far below, so that no queue shows."""
@@ -52,7 +52,7 @@ class Mission:
     @property
     def allowed(self) -> float:
         """What the whole team may tell each other, all copies and framing counted [B/s]."""
-        return max(ALLOWANCE * self.limit / self.window, MODEL.least_allowance * len(self.interests))
+        return max(ALLOWANCE * self.limit / self.window, LEAST_RATE * len(self.interests))
 
     @cached_property
     def generated(self) -> dict[int, tuple[Floats, Floats]]:

@@ -9,7 +9,7 @@ from proxy.bridge.control import LIVE, Control, in_json
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 from proxy.profiling.profile import read
-from proxy.profiling.request import ProfileError, Request
+from proxy.profiling.request import END, ProfileError, Request
 from proxy.why import read as read_question
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.proxy.profiling.profiles import profile
@@ -49,6 +49,7 @@ def operator(stack, switched, asked):
         why=lambda raw: read_question(raw) and {"streams": [raw.decode()]},
         switch=switched.append,
         profile=take,
+        end_profile=lambda told: told(profile()),
         specs=lambda: {"generation": "abc", "files": {"a.toml": "version = 1"}},
     )
     stack.callback(control.close)
@@ -109,6 +110,13 @@ def test_a_profile_is_told_when_it_has_been_taken(operator, asked):
     assert asked == [Request(2.0, 50.0)]
     (answer,) = answers(operator, keys.profile("r1"))
     assert answer == "error: a profile is being taken; it ends in 9.0 s"
+
+
+def test_a_profile_that_is_ended_is_told_to_who_ends_it(operator, asked):
+    """Nothing else is asked for then."""
+    (answer,) = answers(operator, keys.profile("r1"), payload=END)
+    assert read(json.loads(answer)) == profile()
+    assert not asked
 
 
 def test_a_profile_that_is_too_long_is_refused(operator, asked):

@@ -8,6 +8,7 @@ import pytest
 
 from proxy.bridge.tuning import TUNING
 from proxy.commands.client import NoAnswerError, connected
+from proxy.why import Question
 from tests.proxy.nodes import plain_session, wait_matching
 from tests.waiting import wait_until
 
@@ -42,6 +43,22 @@ def test_a_daemon_that_hangs_is_given_up(stand_in, monkeypatch):
         held.clear()
     assert str(refused.value) == f"no daemon answers at {where} within 0.5 s"
     assert str(ordered.value) == f'no daemon of robot "r1" answers at {where} within 1.5 s'
+
+
+def test_a_daemon_that_does_not_know_what_it_is_asked_is_of_another_version(stand_in):
+    """It is there, as its status says; of one that is not there nothing is known."""
+
+    def answer(query):
+        query.reply("@sendworthy/r1/status", '{"robot": "r1"}')
+        query.drop()
+
+    with connected(where := stand_in({"@sendworthy/r1/status": answer})) as client:
+        with pytest.raises(NoAnswerError) as refused:
+            client.why("r1", Question("camera"))
+        assert str(refused.value) == f'the daemon of robot "r1" at {where} is of a version that cannot do that'
+        with pytest.raises(NoAnswerError) as refused:
+            client.why("r2", Question("camera"))
+        assert str(refused.value) == f'no daemon of robot "r2" answers at {where}'
 
 
 STRANGE = (

@@ -251,6 +251,13 @@ def test_where_nothing_can_be_written_the_command_says_so(daemon, recording, tmp
     ]
 
 
+def test_a_folder_that_cannot_be_written_to_is_told_before_anybody_listens(tmp_path, capsys, monkeypatch):
+    """Not after half a minute, in place of the spec."""
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert main(["learn", "-o", str(tmp_path / "x.toml"), "--connect", "tcp/127.0.0.1:1"]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"sendworthy learn: cannot write {tmp_path / 'x.toml'}: Permission denied\n"
+
+
 def test_a_place_that_cannot_be_looked_at_is_named(recording, tmp_path, capsys):
     """As it may not be, or has no name that a file could have."""
     path = tmp_path / ("x" * 300 + ".toml")

@@ -1,12 +1,15 @@
 """`sendworthy profile` against a running daemon."""
 
 import json
+import os
+import signal
 
 import pytest
 
 from proxy import exit_codes
 from proxy.cli import main
-from tests.proxy.profiling.profiles import picture_of
+from proxy.profiling.request import END
+from tests.proxy.profiling.profiles import picture_of, profile
 
 
 @pytest.fixture(scope="module")
@@ -64,13 +67,17 @@ def test_too_much_is_refused(capsys):
 
 
 def test_a_file_that_cannot_be_written_is_named(daemon, capsys, tmp_path):
-    """The table is printed all the same."""
+    """Before anybody is asked; where it is found out afterwards the table is printed all the same."""
     where = str(tmp_path / "missing" / "flame.svg")
-    command = ["profile", "--seconds", "0.1", "--flame", where, "--connect", daemon.endpoint]
-    assert main(command) == exit_codes.FAILED
+    command = ["profile", "--seconds", "0.1", "--connect", daemon.endpoint, "--flame"]
+    assert main([*command, where]) == exit_codes.FAILED
+    caught = capsys.readouterr()
+    assert not caught.out
+    assert caught.err == f"sendworthy profile: cannot write {where}: No such file or directory\n"
+    assert main([*command, "/dev/full"]) == exit_codes.FAILED
     caught = capsys.readouterr()
     assert "STAGE" in caught.out
-    assert caught.err == f"sendworthy profile: cannot write {where}: No such file or directory\n"
+    assert caught.err == "sendworthy profile: cannot write /dev/full: No space left on device\n"
 
 
 def test_a_refusal_is_told(stand_in, capsys):
@@ -85,6 +92,24 @@ def test_a_refusal_is_told(stand_in, capsys):
     assert capsys.readouterr().err == (
         "sendworthy profile: the daemon refuses: a profile is being taken; it ends in 3.0 s\n"
     )
+
+
+def test_ctrl_c_shows_what_was_seen_until_then(stand_in, capsys):
+    """The daemon is told to end."""
+    waiting = []
+
+    def answer(query):
+        if bytes(query.payload) == END:
+            query.reply("@sendworthy/r1/profile", json.dumps(profile().write()))
+            query.drop()
+        else:
+            waiting.append(query)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    where = stand_in({"@sendworthy/r1/profile": answer})
+    assert main(["profile", "--robot", "r1", "--connect", where]) == exit_codes.OK
+    assert "\nall " in capsys.readouterr().out
+    assert len(waiting) == 1
 
 
 def test_what_is_no_profile_is_no_daemon(stand_in, capsys):

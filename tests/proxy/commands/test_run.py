@@ -70,6 +70,15 @@ def test_the_start_is_one_line_with_everything(start, tmp_path):
     assert len(list(threads)) <= THREADS
 
 
+def test_a_limit_that_holds_little_beside_digests_is_logged_at_the_start(start, tmp_path):
+    """As other warnings are."""
+    specs = specs_file(tmp_path)
+    specs.write_text(specs.read_text().replace("2 Mbit/s", "5 kbit/s"))
+    daemon = start("--robot", "r1", "--specs.path", str(specs))
+    line = daemon.wait_for("64 % of it is for what the daemons of 4 robots tell each other")
+    assert f'WARNING proxy.reloading: {specs}: constraint "throughput": ' in line
+
+
 def test_without_specs_everything_passes():
     """The line at the start says that nothing is filtered, and how others are found."""
     line = started(Config(robot="r1"), Specs.empty(), "r1-ab12")

@@ -155,7 +155,7 @@ def test_what_strange_daemons_say_does_not_stop_the_page(stack, watch, caplog):
     watching.until(lambda head: "choose with --robot a|b" in head.get("away", ""), "the question which one")
     watching.end()
     _, watching = watch(where, robot="a")
-    watching.until(lambda head: "no daemon of robot" in head.get("away", ""), "that it tells no specs")
+    watching.until(lambda head: "of a version that cannot" in head.get("away", ""), "that it tells no specs")
     told["a"]["budget"] = 3
     wait_until(lambda: "what daemons say cannot be shown" in caplog.text, what="the log")
     shown = {"constraint": "air", "used_by_all": 1.0, "limit": None, "price_per_kb": None}

@@ -70,6 +70,19 @@ def test_none_is_taken_beside_another_one():
     assert len(loop.told) == 1
 
 
+def test_who_ends_it_gets_what_it_saw_and_so_does_who_asked_for_it():
+    """Where none is being taken there is nothing to end."""
+    loop = Loop()
+    with pytest.raises(ProfileError, match="no profile is being taken"):
+        loop.profiler.end(loop.told.append)
+    loop.start(Request(60.0))
+    loop.jobs.put(lambda: loop.profiler.end(loop.told.append))
+    loop.turn().join()
+    asked, ended = loop.told
+    assert asked is ended
+    assert asked.seconds < 30.0
+
+
 def test_closing_ends_it():
     """The daemon need not wait for it."""
     loop = Loop()

@@ -116,3 +116,12 @@ def test_without_the_extra_for_recordings_it_says_which_to_install(monkeypatch, 
     monkeypatch.setitem(sys.modules, "studies.bench.recorded", None)
     assert bench("--make", "made.jsonl", "--recording", "x.mcap") == exit_codes.FAILED
     assert 'needs the extra "record": pip install "sendworthy[record]"' in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("place")
+@pytest.mark.parametrize("flag", ["--json", "--leaderboard"])
+def test_files_that_cannot_be_written_are_named_before_anything_is_flown(capsys, flag):
+    """Not after minutes, in place of the scores."""
+    assert bench("--missions", "small.jsonl", flag, "small.jsonl/x") == exit_codes.FAILED
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err) == ("", "sendworthy bench: small.jsonl/x: Not a directory\n")

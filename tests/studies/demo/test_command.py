@@ -156,3 +156,21 @@ def marked(mark):
         except OSError:
             continue
     return found
+
+
+@pytest.mark.parametrize(
+    ("flag", "name", "problem"),
+    [
+        ("--json", "none/demo.json", "{}: No such file or directory"),
+        ("--events", ".", "{}: Is a directory"),
+        ("--picture", "none/demo.png", "{}: No such file or directory"),
+        ("--picture", "demo.doc", "--picture {}: a picture is a file such as demo.png or demo.jpg"),
+        ("--picture", "demo", "--picture {}: a picture is a file such as demo.png or demo.jpg"),
+    ],
+)
+def test_files_that_cannot_be_written_are_named_before_the_mission(tmp_path, capsys, flag, name, problem):
+    """Not after a minute and a half, in place of the figures."""
+    assert main(["demo", "--picture", str(tmp_path / "demo.png"), flag, str(tmp_path / name)]) == 1
+    shown = capsys.readouterr()
+    assert not shown.out
+    assert shown.err == f"sendworthy demo: {problem.format(tmp_path / name)}\n"

@@ -161,6 +161,16 @@ def test_the_page_needs_nothing_else(place):
 
 
 @pytest.mark.usefixtures("place")
+@pytest.mark.parametrize("flag", ["--json", "--html"])
+def test_files_that_cannot_be_written_are_named_before_anything_is_flown(capsys, flag):
+    """Not after minutes, in place of the table."""
+    capsys.readouterr()
+    assert main(["replay", "traffic.mcap", "--specs", "spec.toml", flag, "none/x"]) == exit_codes.FAILED
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err) == ("", "sendworthy replay: none/x: No such file or directory\n")
+
+
+@pytest.mark.usefixtures("place")
 def test_json_may_go_where_the_table_would(capsys):
     """For scripts."""
     capsys.readouterr()

@@ -127,3 +127,16 @@ def test_without_its_extra_it_says_which_to_install(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "studies.study.recorded", None)
     assert study("x.mcap") == exit_codes.FAILED
     assert 'needs the extra "record": pip install "sendworthy[record]"' in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("place")
+@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+def test_a_picture_that_finds_no_room_is_told(capsys, kind):
+    """Of any kind; and one in a folder that is not there before anything is computed."""
+    full = Path(f"full.{kind}")
+    full.symlink_to("/dev/full")
+    assert study("traffic.mcap", "--specs", "spec.toml", "--picture", full) == exit_codes.FAILED
+    assert capsys.readouterr().err == "sendworthy study: No space left on device\n"
+    assert study("traffic.mcap", "--specs", "spec.toml", "--picture", f"none/c.{kind}") == exit_codes.FAILED
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err) == ("", f"sendworthy study: none/c.{kind}: No such file or directory\n")

@@ -4,7 +4,7 @@ import pytest
 
 from proxy.core.forecast.schedule import Schedule
 from tests.utility_specs.learning.team import json_bytes, regular, team
-from utility_specs import load_specs
+from utility_specs import digests, load_specs
 from utility_specs.learning import Observed, learn, writing
 from utility_specs.toml_source import LARGEST_FILE
 
@@ -33,6 +33,15 @@ def test_the_limit_follows_the_channel_up_to_what_was_seen(tmp_path):
     (constraint,) = loaded(text := learn(samples, Schedule, ["r1", "r2", "r3"]), tmp_path).constraints
     assert constraint.measure.limit / constraint.measure.window == 50_000.0
     assert 'limit = "200 kbit/s" is what' in text.replace("\n# ", " ")
+
+
+def test_the_limit_leaves_room_beside_what_daemons_tell_each_other(tmp_path):
+    """However little was seen: twice a battery's samples are less than daemons tell, and half of them were dropped."""
+    text = learn(regular("robot/r1/battery", 10.0, lambda _: json_bytes(charge=0.5)), Schedule, ["r1", "r2"])
+    (constraint,) = loaded(text, tmp_path).constraints
+    assert constraint.measure.limit / constraint.measure.window == pytest.approx(1875.0)
+    assert digests.warning(constraint.measure, digests.TEAM) == ""
+    assert "2 times that or, as is more here, to 15 kbit/s" in text.replace("\n# ", " ")
 
 
 def test_types_beyond_those_that_a_file_has_room_for_are_counted(tmp_path, monkeypatch):

@@ -117,3 +117,12 @@ def test_modes_that_differ_harm_nobody_without_a_limit_that_all_share(make_talk,
     """Then nobody gives way."""
     unlimited = SHARED[SHARED.index("[[information_type]]") :]
     assert modes_of(make_talk(make_specs(text=unlimited)), r2="shadow") == []
+
+
+def test_a_limit_that_holds_little_beside_digests_is_named(make_talk, make_specs):
+    """For as many robots as there are: alone there is nobody to tell anything."""
+    talk = make_talk(make_specs(text=SHARED.replace("1 Mbit/s", "5 kbit/s")))
+    assert talk.core.status(0.0)["warnings"] == []
+    meet(talk, UNICAST)
+    (warning,) = talk.core.status(1.0)["warnings"]
+    assert warning.startswith('constraint "throughput": 32 % of it is for what the daemons of 2 robots tell each other')
