@@ -214,7 +214,7 @@ class Coordination:
         self.looks_at = now + TUNING.interval
         split = self.split_in_force
         asked = split is not None and split.agreement.rivals
-        self.team.wait(now, waiting, None if split is None else split.agreement)
+        self.team.wait(now, waiting, None if split is None else split.agreement, max(self._kind[0], default=math.inf))
         self.keeps = self.hollow.keeps(now, self._view, limits, self.team)
         self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
         self._view.audiences.take_alike(alike=self.team.agrees)

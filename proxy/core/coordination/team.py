@@ -118,13 +118,21 @@ class Team:
         """Return what digests take from or to any robot at most, took to us lately, or are `waiting` for now [s]."""
         return max(self._view.staleness.longest_way, min(self._took, default=0.0), waiting)
 
-    def wait(self, now: float, waiting: float, agreement: Agreement | None) -> None:
-        """Robots may have yet to agree on parts; where that takes too long they do without for a while."""
-        pending, outdoes = False, False
+    def wait(self, now: float, waiting: float, agreement: Agreement | None, window: float) -> None:
+        """Robots may have yet to agree on parts; where that takes too long they do without for a while.
+
+        So they do where they agreed on slots that cost too many words, and are not worth these. All find that at once,
+        and have equal parts, whatever made them split.
+        """
+        pending, outdoes, costly, news = False, False, False, self.news_take(waiting)
         if agreement is not None and self.members and not self.large:
-            pending, outdoes = agreement.pending, agreement.pending and outdoes_equal(agreement)
-        self._stuck = self.patience.is_over(now, self.news_take(waiting), pending=pending, agreed=outdoes)
-        dear = self.gave_up or self._dear_since < math.inf
+            pending, outdoes = agreement.pending, outdoes_equal(agreement)
+            # The longest window of what robots share takes so long [s].
+            turns = 0.0 if pending or outdoes else sum(1.0 / t.shortest(window, news) for t in agreement.turns)
+            if costly := turns * words_take(self._view, self.robots) > TUNING.passed_on * self.robots:
+                self.patience.give_up(now)
+        self._stuck = self.patience.is_over(now, news, pending=pending, agreed=pending and outdoes)
+        dear = self.gave_up or costly or self._dear_since < math.inf
         self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))
 
     def judge(

@@ -57,6 +57,10 @@ class Turn:
         """Return when the holder's turn ends [s]: some windows after it began, more where `news` take long [s]."""
         return self.used + window + self._at(self.number)[1] * self._windows(window, news) * window
 
+    def shortest(self, window: float, news: float) -> float:
+        """Return how long the shortest turn lasts, with the window until the next one may use the slot [s]."""
+        return window + self._windows(window, news) * window
+
     def _windows(self, window: float, news: float) -> int:
         """How many windows the shortest turn lasts."""
         enough = math.ceil(TUNING.turn_news * news / window - 1e-9)
