@@ -276,9 +276,13 @@ def _affordable(taken: float) -> float:
 
 def words_take_long(view: SharedView, robots: int) -> bool:
     """Whether it takes long until each of so many robots has said a word to every other, within their allowance."""
+    return words_take(view, robots) > TUNING.slow_words
+
+
+def words_take(view: SharedView, robots: int) -> float:
+    """Return how long it takes until each of so many robots has said a word to every other [s]."""
     words = robots if is_broadcast(view.settings.transport) else robots * (robots - 1)
-    takes = words * TUNING.word_size / allowance_of(view.specs, view.settings.allowance, robots)
-    return takes > TUNING.slow_words
+    return words * TUNING.word_size / allowance_of(view.specs, view.settings.allowance, robots)
 
 
 def _unheard(view: SharedView) -> set[str]:

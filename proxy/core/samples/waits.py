@@ -163,8 +163,8 @@ class Waits:
     def _gains_less(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether another sample gains more that waits for our turn, too.
 
-        Eight robots with frames and with samples that last for 10 s reach 75 % of a central decider so; where the oldest
-        went, 49.
+        Eight robots with frames and with samples that last for 10 s reach 75 % of a central decider so, and 49 where
+        the oldest goes.
         """
         gain = claim(now, stream)[0] * sample.size
         for each in self._inbox:
