@@ -95,8 +95,12 @@ class Budget:
         """Whether all have parts: messages that are larger go by turns, or where a longer window is empty."""
         return self.alone and not self.coordination.keeps
 
-    def set_limits(self, limits: tuple[Limit, ...]) -> None:
-        """Put these constraints in force; what we sent still counts against those of the same name and kind."""
+    def set_limits(self, limits: tuple[Limit, ...], now: float = -math.inf) -> None:
+        """Put these constraints in force now [s]; what we sent still counts against those of the same name and kind.
+
+        Where the specs set another limit that is for one window, and none is stretched for it: as an operator lowered
+        1 Mbit/s to 0.2, four robots with cameras sent no alarm for 12 s, for frames sent before.
+        """
         if limits == self.limits:
             return
         before = {_identity(limit): k for k, limit in enumerate(self.limits)}
@@ -105,6 +109,12 @@ class Budget:
             self.own.renumber(places)
             self._others.renumber(places)
             self.stretch.weigh((), (), ())
+        if now > -math.inf and (self.own or self._view.traffic.sends):
+            old = [None if k is None else self.limits[k].measure for k in places]
+            began = [-math.inf if c.measure == measure else now for c, measure in zip(limits, old, strict=True)]
+            if now in began:
+                self.own.begin_anew(began, limits)
+                self._others.begin_anew(tuple(began), limits)
         self.limits, self._memory = limits, TUNING.stretched_windows * longest_window(limits)
 
     def mute(self, until: float) -> None:

@@ -1,5 +1,6 @@
 """What counts against the limits: our own sends, and what we know others to have sent."""
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from itertools import islice
@@ -28,6 +29,12 @@ class OwnSends(SendLog):
         """New limits are in force, which were at these places before; nothing was used of those that are new."""
         for log in (self, self.bulky):
             log.replace([(t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in log])
+        self._leaving.clear()
+
+    def begin_anew(self, began: Sequence[float], limits: Sequence[Limit]) -> None:
+        """Limits are others since then: before, what was sent counts for one window, and none is stretched for it."""
+        self.replace([(t, _under(t, use, began, limits)) for t, use in self])
+        self.bulky.replace([(t, _under(t, use, began)) for t, use in self.bulky])
         self._leaving.clear()
 
     def note(self, now: float, use: tuple[float, ...], large: int | None, *, bulky: bool = False) -> None:
@@ -78,12 +85,21 @@ class OthersSends:
         self._bulky = SendLog()
         """Of those that somebody decided on, messages for which windows may be stretched."""
         self._limits: tuple[Limit, ...] = ()
+        self._began: tuple[float, ...] = ()
+        """Since when each limit is in force, if it was another one before [s]."""
         self._taken = 0, 0
         """How many sends there were so far, and how many had been retracted."""
 
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before."""
         self._ours.renumber(places)
+        if self._began:
+            self._began = tuple([-math.inf if k is None else self._began[k] for k in places])
+
+    def begin_anew(self, began: tuple[float, ...], limits: tuple[Limit, ...]) -> None:
+        """Limits are others since then: before, what was sent counts for one window, and none is stretched for it."""
+        self._ours.begin_anew(began, limits)
+        self._began, self._limits = tuple(map(max, began, self._began or began)), ()
 
     def use(self, now: float, use: tuple[float, ...], limits: tuple[Limit, ...]) -> None:
         """Something of ours that nobody decides on is sent now, and counts as this."""
@@ -118,7 +134,7 @@ class OthersSends:
         """Return what was sent since then, and leaves as late as ours: all of it, or all but the `words`."""
         sent = [each for each in self._traffic.sent_since(since) if words or each[2] != WORDS]
         alike = {amount: use_of(*amount, limits, own=False) for amount in {amount for _, amount, *_ in sent}}
-        uses = [alike[amount] for _, amount, *_ in sent]
+        uses = [_under(t, alike[amount], self._began, limits) for t, amount, *_ in sent]
         # Digests come late, and in any order.
         undecided = sorted((k for k, (*_, decided) in enumerate(sent) if not decided), key=lambda k: sent[k][0])
         if undecided:
@@ -151,9 +167,17 @@ class OthersSends:
         self._limits, self._taken = limits, noted
         for t, amount, _, decided in islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None):
             use = use_of(*amount, limits, own=False)
-            (self._decided if decided else self._undecided).add(t, use)
+            (self._decided if decided else self._undecided).add(t, _under(t, use, self._began, limits))
             if decided and is_bulky(use, limits):
-                self._bulky.add(t, use)
+                self._bulky.add(t, _under(t, use, self._began))
+
+
+def _under(t: float, use: tuple[float, ...], began: Sequence[float], limits: Sequence[Limit] = ()) -> tuple[float, ...]:
+    """Return what counts of a message sent at `t` [s] against limits since these began, or since a window before."""
+    if not began or t >= max(began):
+        return use
+    windows = [limit.window for limit in limits] or [0.0] * len(began)
+    return tuple([0.0 if t < b - w else amount for amount, b, w in zip(use, began, windows, strict=True)])
 
 
 def _within(room: float, window: float, times: Sequence[float], amounts: Sequence[float]) -> list[float]:

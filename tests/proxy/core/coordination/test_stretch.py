@@ -2,10 +2,13 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import pytest
 
+from planner.measures import Throughput
 from proxy.core.coordination.tuning import TUNING
+from proxy.core.market.room import Room
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, heard
 
 
@@ -92,6 +95,34 @@ def test_under_other_limits_nothing_is_stretched_that_was(make_budget):
     budget.set_limits((COUNT, BYTES))
     assert budget.problem_limits(1.0).windows == (1.0, 1.0)
     assert budget.free(1.0) == [COUNT.limit, BYTES.limit]
+
+
+def test_what_was_sent_under_another_limit_stretches_no_window_of_a_smaller_one(make_budget):
+    """Ours and others' count for one window: what goes then is held up by no frame that the old limit had room for."""
+    budget, view = make_budget(BYTES, COUNT)
+    for number in range(10):
+        budget.use(0.5 * number, (450.0, 1.0))
+        heard(view, 0.5 * number + 0.1, 450)
+    smaller = replace(BYTES, limit=100.0, measure=Throughput(100.0, 1.0))
+    budget.set_limits((smaller, COUNT), 5.0)
+    budget.stretch.weigh(budget.limits, (20.0, 0.0), [((450.0, 1.0), (0.0, 0.0))])
+    assert budget.lacking(5.1, (30.0, 1.0)) == ("bytes",)
+    assert 5.1 < budget.opens(5.1, (30.0, 1.0), Room.IN_TURN) < 5.7
+    assert not budget.lacking(5.7, (30.0, 1.0))
+    limits = budget.problem_limits(6.0)
+    assert limits.windows[0] > 4.0
+    assert not [use for t, use in (*limits.sent, *limits.others) if t < 4.0 and use[0]]
+    budget.use(6.0, (450.0, 1.0))
+    assert budget.lacking(9.0, (300.0, 1.0)), "what is sent from then on counts as long as it takes"
+
+
+def test_a_limit_that_follows_the_channel_is_no_other_one(make_budget):
+    """What was sent before it became less goes on to count in stretched windows."""
+    budget, _ = make_budget()
+    budget.use(1.0, (900.0,))
+    budget.set_limits((replace(BYTES, limit=100.0),), 1.5)
+    budget.stretch.weigh(budget.limits, (0.0,), [((450.0,), (0.0,))])
+    assert budget.lacking(4.0, (450.0,))
 
 
 def test_what_is_sent_beside_a_large_message_keeps_the_limit_alone(make_budget):
