@@ -1,6 +1,5 @@
 """What counts against the limits: our own sends, and what we know others to have sent."""
 
-import math
 from collections import deque
 from collections.abc import Sequence
 from itertools import islice
@@ -31,10 +30,11 @@ class OwnSends(SendLog):
             log.replace([(t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in log])
         self._leaving.clear()
 
-    def begin_anew(self, began: Sequence[float], limits: Sequence[Limit]) -> None:
-        """Limits are others since then: before, what was sent counts for one window, and none is stretched for it."""
-        self.replace([(t, _under(t, use, began, limits)) for t, use in self])
-        self.bulky.replace([(t, _under(t, use, began)) for t, use in self.bulky])
+    def begin_anew(self, parts: Sequence[float], limits: Sequence[Limit]) -> None:
+        """Limits are others: of what was sent before, such a part of its use counts against each."""
+        self.replace([(t, _part(use, parts)) for t, use in self])
+        bulky = [(t, _part(use, parts)) for t, use in self.bulky]
+        self.bulky.replace([send for send in bulky if is_bulky(send[1], limits)])
         self._leaving.clear()
 
     def note(self, now: float, use: tuple[float, ...], large: int | None, *, bulky: bool = False) -> None:
@@ -85,21 +85,22 @@ class OthersSends:
         self._bulky = SendLog()
         """Of those that somebody decided on, messages for which windows may be stretched."""
         self._limits: tuple[Limit, ...] = ()
-        self._began: tuple[float, ...] = ()
-        """Since when each limit is in force, if it was another one before [s]."""
+        self._earlier: deque[tuple[float, Sequence[float]]] = deque(maxlen=TUNING.remembered_limits)
+        """When limits became others [s], and which part of the use of what was sent before counts against each."""
         self._taken = 0, 0
         """How many sends there were so far, and how many had been retracted."""
 
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before."""
         self._ours.renumber(places)
-        if self._began:
-            self._began = tuple([-math.inf if k is None else self._began[k] for k in places])
+        for place, (at, parts) in enumerate(self._earlier):
+            self._earlier[place] = at, [0.0 if k is None else parts[k] for k in places]
 
-    def begin_anew(self, began: tuple[float, ...], limits: tuple[Limit, ...]) -> None:
-        """Limits are others since then: before, what was sent counts for one window, and none is stretched for it."""
-        self._ours.begin_anew(began, limits)
-        self._began, self._limits = tuple(map(max, began, self._began or began)), ()
+    def begin_anew(self, now: float, parts: Sequence[float], limits: Sequence[Limit]) -> None:
+        """Limits are others from now on: of what was sent before, such a part of its use counts against each."""
+        self._ours.begin_anew(parts, limits)
+        self._earlier.append((now, parts))
+        self._limits = ()
 
     def use(self, now: float, use: tuple[float, ...], limits: tuple[Limit, ...]) -> None:
         """Something of ours that nobody decides on is sent now, and counts as this."""
@@ -134,7 +135,7 @@ class OthersSends:
         """Return what was sent since then, and leaves as late as ours: all of it, or all but the `words`."""
         sent = [each for each in self._traffic.sent_since(since) if words or each[2] != WORDS]
         alike = {amount: use_of(*amount, limits, own=False) for amount in {amount for _, amount, *_ in sent}}
-        uses = [_under(t, alike[amount], self._began, limits) for t, amount, *_ in sent]
+        uses = [self._counting(t, alike[amount]) for t, amount, *_ in sent]
         # Digests come late, and in any order.
         undecided = sorted((k for k, (*_, decided) in enumerate(sent) if not decided), key=lambda k: sent[k][0])
         if undecided:
@@ -166,18 +167,21 @@ class OthersSends:
             self._decided, self._undecided, self._bulky, sends = SendLog(), SendLog(), SendLog(), 0
         self._limits, self._taken = limits, noted
         for t, amount, _, decided in islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None):
-            use = use_of(*amount, limits, own=False)
-            (self._decided if decided else self._undecided).add(t, _under(t, use, self._began, limits))
+            use = self._counting(t, use_of(*amount, limits, own=False))
+            (self._decided if decided else self._undecided).add(t, use)
             if decided and is_bulky(use, limits):
-                self._bulky.add(t, _under(t, use, self._began))
+                self._bulky.add(t, use)
 
-
-def _under(t: float, use: tuple[float, ...], began: Sequence[float], limits: Sequence[Limit] = ()) -> tuple[float, ...]:
-    """Return what counts of a message sent at `t` [s] against limits since these began, or since a window before."""
-    if not began or t >= max(began):
+    def _counting(self, t: float, use: tuple[float, ...]) -> tuple[float, ...]:
+        """Return what of the use of a message that was sent at `t` [s] counts against the limits in force."""
+        for at, parts in self._earlier:
+            if t < at:
+                use = _part(use, parts)
         return use
-    windows = [limit.window for limit in limits] or [0.0] * len(began)
-    return tuple([0.0 if t < b - w else amount for amount, b, w in zip(use, began, windows, strict=True)])
+
+
+def _part(use: Sequence[float], parts: Sequence[float]) -> tuple[float, ...]:
+    return tuple([amount * part for amount, part in zip(use, parts, strict=True)])
 
 
 def _within(room: float, window: float, times: Sequence[float], amounts: Sequence[float]) -> list[float]:
