@@ -164,6 +164,9 @@ class CoordinationTuning:
     """Messages that take so many times as long as they are worth anything are not asked for."""
     new_stream: float = 4.0
     """A new stream may generate so many times as much in a window as so far: an alarm asked for two thirds of all."""
+    new_random: float = 1.0
+    """One of which each sample counts comes at random: after one alarm in a moment robots asked for three a window, and
+    as agreeing on less gained too little, one of four under 10 messages a second sent nothing for 25 s."""
     size_deviations: tuple[float, ...] = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
     """Sizes of a stream are taken to be so many standard deviations from their mean."""
 
