@@ -95,8 +95,12 @@ class Budget:
         """Whether all have parts: messages that are larger go by turns, or where a longer window is empty."""
         return self.alone and not self.coordination.keeps
 
-    def set_limits(self, limits: tuple[Limit, ...]) -> None:
-        """Put these constraints in force; what we sent still counts against those of the same name and kind."""
+    def set_limits(self, limits: tuple[Limit, ...], now: float = -math.inf) -> None:
+        """Put these constraints in force now [s]; what we sent still counts against those of the same name and kind.
+
+        Where the specs set less, that is the part of the limit that it was: as an operator lowered 1 Mbit/s to 0.2 (20
+        in windows of 30 s to 3), four robots with cameras sent next to nothing for 12 s (nothing for 6 and more).
+        """
         if limits == self.limits:
             return
         before = {_identity(limit): k for k, limit in enumerate(self.limits)}
@@ -105,6 +109,11 @@ class Budget:
             self.own.renumber(places)
             self._others.renumber(places)
             self.stretch.weigh((), (), ())
+        parts = [0.0 if k is None else _part(self.limits[k], c) for k, c in zip(places, limits, strict=True)]
+        sent = bool(self.own or self._view.traffic.sends)
+        if now > -math.inf and sent and min(parts, default=1.0) < 1.0:
+            self.own.begin_anew(parts, limits)
+            self._others.begin_anew(now, parts, limits)
         self.limits, self._memory = limits, TUNING.stretched_windows * longest_window(limits)
 
     def mute(self, until: float) -> None:
@@ -335,6 +344,14 @@ def _confined(budget: Budget, now: float, k: int, part: float) -> float:
     """Return what is left of a part that all have just agreed on: who keeps to its own already counts on that."""
     limit = budget.limits[k]
     return limit.limit * part - budget.used(now, k) if limit.shared else math.inf
+
+
+def _part(before: Limit, limit: Limit) -> float:
+    """Return which part of what was sent under the limit before counts under another one: as of its room and rate."""
+    if before.measure == limit.measure:
+        return 1.0  # it follows the channel, or leaves the digests of more robots their part
+    part = limit.limit / before.limit
+    return min(1.0, part, part * before.window / limit.window)
 
 
 def _identity(limit: Limit) -> tuple[str, str]:

@@ -148,6 +148,7 @@ class Coordination:
             return
         version = 0 if self._split is None else self._split.agreement.bid[0] + 1
         self._kind, self._split = kind, None
+        self.hollow.begin_anew()
         self.formation, self.looks_at = Formation(now, strict=self.team.strict), now
         self.equal.set_windows(now, windows)
         if windows:

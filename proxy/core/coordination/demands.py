@@ -40,7 +40,8 @@ def _demands(view: SharedView, now: float, limits: Sequence[Limit], window: floa
             max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
             for size in sorted(sizes)
         ]
-        interval = interval_of(now, stream, window, TUNING.new_stream)
+        most = TUNING.new_stream if stream.information_type.markovian else TUNING.new_random
+        interval = interval_of(now, stream, window, most)
         mean = sum(parts) / len(parts)
         variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.sizes.mean, 1.0))
         period = stream.schedule.period if stream.schedule.kind == "periodic" else 0.0

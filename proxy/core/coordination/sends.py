@@ -30,6 +30,13 @@ class OwnSends(SendLog):
             log.replace([(t, tuple(0.0 if k is None else use[k] for k in places)) for t, use in log])
         self._leaving.clear()
 
+    def begin_anew(self, parts: Sequence[float], limits: Sequence[Limit]) -> None:
+        """Limits are others: of what was sent before, such a part of its use counts against each."""
+        self.replace([(t, _part(use, parts)) for t, use in self])
+        bulky = [(t, _part(use, parts)) for t, use in self.bulky]
+        self.bulky.replace([send for send in bulky if is_bulky(send[1], limits)])
+        self._leaving.clear()
+
     def note(self, now: float, use: tuple[float, ...], large: int | None, *, bulky: bool = False) -> None:
         """A message is sent now, a `large` sample or something else; `bulky`: windows may be stretched for it."""
         self.add(now, use)
@@ -78,12 +85,22 @@ class OthersSends:
         self._bulky = SendLog()
         """Of those that somebody decided on, messages for which windows may be stretched."""
         self._limits: tuple[Limit, ...] = ()
+        self._earlier: deque[tuple[float, Sequence[float]]] = deque(maxlen=TUNING.remembered_limits)
+        """When limits became others [s], and which part of the use of what was sent before counts against each."""
         self._taken = 0, 0
         """How many sends there were so far, and how many had been retracted."""
 
     def renumber(self, places: Sequence[int | None]) -> None:
         """New limits are in force, which were at these places before."""
         self._ours.renumber(places)
+        for place, (at, parts) in enumerate(self._earlier):
+            self._earlier[place] = at, [0.0 if k is None else parts[k] for k in places]
+
+    def begin_anew(self, now: float, parts: Sequence[float], limits: Sequence[Limit]) -> None:
+        """Limits are others from now on: of what was sent before, such a part of its use counts against each."""
+        self._ours.begin_anew(parts, limits)
+        self._earlier.append((now, parts))
+        self._limits = ()
 
     def use(self, now: float, use: tuple[float, ...], limits: tuple[Limit, ...]) -> None:
         """Something of ours that nobody decides on is sent now, and counts as this."""
@@ -118,7 +135,7 @@ class OthersSends:
         """Return what was sent since then, and leaves as late as ours: all of it, or all but the `words`."""
         sent = [each for each in self._traffic.sent_since(since) if words or each[2] != WORDS]
         alike = {amount: use_of(*amount, limits, own=False) for amount in {amount for _, amount, *_ in sent}}
-        uses = [alike[amount] for _, amount, *_ in sent]
+        uses = [self._counting(t, alike[amount]) for t, amount, *_ in sent]
         # Digests come late, and in any order.
         undecided = sorted((k for k, (*_, decided) in enumerate(sent) if not decided), key=lambda k: sent[k][0])
         if undecided:
@@ -150,10 +167,21 @@ class OthersSends:
             self._decided, self._undecided, self._bulky, sends = SendLog(), SendLog(), SendLog(), 0
         self._limits, self._taken = limits, noted
         for t, amount, _, decided in islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None):
-            use = use_of(*amount, limits, own=False)
+            use = self._counting(t, use_of(*amount, limits, own=False))
             (self._decided if decided else self._undecided).add(t, use)
             if decided and is_bulky(use, limits):
                 self._bulky.add(t, use)
+
+    def _counting(self, t: float, use: tuple[float, ...]) -> tuple[float, ...]:
+        """Return what of the use of a message that was sent at `t` [s] counts against the limits in force."""
+        for at, parts in self._earlier:
+            if t < at:
+                use = _part(use, parts)
+        return use
+
+
+def _part(use: Sequence[float], parts: Sequence[float]) -> tuple[float, ...]:
+    return tuple([amount * part for amount, part in zip(use, parts, strict=True)])
 
 
 def _within(room: float, window: float, times: Sequence[float], amounts: Sequence[float]) -> list[float]:

@@ -116,6 +116,8 @@ class CoordinationTuning:
     """How long large samples take to leave: the last has this weight unless it took longer."""
     stretched_windows: float = 16.0
     """Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
+    remembered_limits: int = 16
+    """So many times limits may become others while what was sent before still counts."""
     beside_bulky: float = 0.25
     """A window is stretched for a message that would fit alone if what is sent beside takes no larger part of a limit
     (`Stretch.weigh`)."""
@@ -159,6 +161,9 @@ class CoordinationTuning:
     """Messages that take so many times as long as they are worth anything are not asked for."""
     new_stream: float = 4.0
     """A new stream may generate so many times as much in a window as so far: an alarm asked for two thirds of all."""
+    new_random: float = 1.0
+    """One of which each sample counts comes at random: after one alarm in a moment robots asked for three a window, and
+    as agreeing on less gained too little, one of four under 10 messages a second sent nothing for 25 s."""
     size_deviations: tuple[float, ...] = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
     """Sizes of a stream are taken to be so many standard deviations from their mean."""
 

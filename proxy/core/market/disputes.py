@@ -167,7 +167,8 @@ class Disputes:
         """Return how long a sample that stands so waits for room [s]."""
         if stream.information_type.markovian:
             return TUNING.patience * stream.schedule.period
-        if standing is Standing.UNDISPUTED:  # an alarm is not lost because the team sent too much for a moment
+        if standing is Standing.UNDISPUTED or self.weighed(stream).outweighs:
+            # An alarm is not lost because the team sent too much for a moment.
             return max(longest_window(self._limits), half_life(stream.information_type.utility))
         return longest_window(self._limits)
 

@@ -28,7 +28,7 @@ class TeamLimits:
         )
         self._parts.coordination.set_limits(now, limits)
         self._parts.channel.adopt(now, limits)
-        self._parts.budget.set_limits(self._parts.channel.limits)
+        self._parts.budget.set_limits(self._parts.channel.limits, now)
         self._set_rate()
 
     def follow_channel(self) -> list[Command]:

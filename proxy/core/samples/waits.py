@@ -129,7 +129,8 @@ class Waits:
             needed = self._disputes.besides(now, use)
         else:
             needed = use if self._budget.alone else self._disputes.under_way.beside(use, news_take(self._view))
-        wanted = Room.ANYBODYS if leads else Room.OWN if contested else Room.IN_TURN
+        own = contested and (stream.information_type.markovian or not self._disputes.weighed(stream).outweighs)
+        wanted = Room.ANYBODYS if leads else Room.OWN if own else Room.IN_TURN
         room = self._budget.opens(now, use, wanted, needed)
         if leads and room > now:
             room += opening(self._view)

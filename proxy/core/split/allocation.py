@@ -11,7 +11,7 @@ from operator import itemgetter
 from proxy.core.protocol.bid import QUARTERS, UNIT, Bid, Segment, density_of
 from proxy.core.split.tuning import TUNING
 
-RULES = 5
+RULES = 6
 """Counts how parts are made of bids: robots that do it another way never agree with us."""
 
 Bids = Mapping[str, Bid | None]
@@ -177,11 +177,15 @@ class _Filling:
         asked = Counter[str]()
         for tag, segment in messages:
             asked[tag] += segment.quarters
-        # Nothing is gained by turns where the last message is worth as much as the first.
-        for tag, segment in sorted(messages, key=itemgetter(0)):
+        # Nothing is gained by turns where the last message is worth as much as the first: each has one, then some two.
+        whole, before = list[tuple[int, str, Segment]](), Counter[str]()
+        for tag, segment in messages:
             if asked[tag] >= QUARTERS:
-                for _ in range(segment.quarters * TUNING.slot_pieces // QUARTERS):
-                    self._place(tag, segment.amount)
+                whole.append((before[tag] // QUARTERS, tag, segment))
+                before[tag] += segment.quarters
+        for _, tag, segment in sorted(whole, key=itemgetter(0, 1)):
+            for _ in range(segment.quarters * TUNING.slot_pieces // QUARTERS):
+                self._place(tag, segment.amount)
         for piece in range(TUNING.slot_pieces):
             for tag, segment in messages:
                 if asked[tag] < QUARTERS and segment.quarters * TUNING.slot_pieces > piece * QUARTERS:

@@ -7,7 +7,7 @@ from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.lifetimes import worthless_from
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.bid import UNIT
+from proxy.core.protocol.bid import QUARTERS, UNIT
 from proxy.core.transit.latency import Latency
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView
@@ -17,8 +17,8 @@ from proxy.core.view.view import SharedView
 def make_view(make_specs):
     """A robot of a team of two with one stream of 10 Hz."""
 
-    def make(size, value=1.0, *, wanted=True, samples=50):
-        view = SharedView(CoreSettings("r1", "z1"), make_specs(window=0.5))
+    def make(size, value=1.0, *, wanted=True, samples=50, specs=None):
+        view = SharedView(CoreSettings("r1", "z1"), specs or make_specs(window=0.5))
         view.add_peer(0.0, "r2", "z2")
         stream = view.streams.touch(0.0, "r1", "robot/r1/camera")
         stream.matching = wanted
@@ -73,6 +73,15 @@ def test_a_new_stream_asks_for_a_few_messages(make_view):
     view = make_view(10, samples=1)
     (limit,) = limits_of(view.specs, 0.02, 2)
     assert sum(segment.amount for segment in asked(view)) <= UNIT * 12 * 10 / limit.limit
+
+
+def test_of_a_new_stream_of_which_each_sample_counts_no_more_is_asked_for_than_came(make_view, make_specs):
+    """After one alarm a robot asked for three a window, and kept that room from one that had none for its own."""
+    alarms = make_specs(text=FADING.replace("2.5", "0.5") + 'aggregation = "sum"\n')
+    others = make_specs(text=FADING.replace("2.5", "0.5"))
+    asked_for = [asked(make_view(1_500, samples=1, specs=specs)) for specs in (alarms, others)]
+    assert sum(segment.quarters for segment in asked_for[0]) == QUARTERS
+    assert sum(segment.quarters for segment in asked_for[1]) > QUARTERS
 
 
 def test_how_long_messages_take_changes_no_bid(make_view):

@@ -177,6 +177,23 @@ def test_claims_are_not_judged_while_robots_come_and_go_but_soon_after(specs):
     is_found(air)
 
 
+def test_under_other_limits_claims_are_judged_anew(specs, tmp_path):
+    """An equal part of those before was kept to for a minute, whatever there was room for."""
+    air = Air(specs)
+    air.run(8.0)
+    air.lie(boasts)
+    while not air.found():
+        air.run(air.now + 1.0)
+    (tmp_path / "spec.toml").write_text(SPECS.replace("400 kbit/s", "20 Mbit/s"))
+    for name in air.cores:
+        air.tell(name, ev.SpecsChanged(air.now, load_specs(tmp_path)))
+    assert not air.found()
+    begun = air.now
+    air.run(begun + 4.0)
+    assert air.cores["a"].coordination.keeps == 0.0
+    assert air.rate(begun + 1.0) > 0.45 * LIMIT
+
+
 def test_without_lies_nothing_is_hollow(specs):
     """A robot that is there and has nothing to say is none."""
     air = Air(specs)

@@ -2,10 +2,14 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import pytest
 
+from planner.measures import Throughput
 from proxy.core.coordination.tuning import TUNING
+from proxy.core.market.room import Room
+from proxy.core.model.limits import Limit
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, heard
 
 
@@ -92,6 +96,57 @@ def test_under_other_limits_nothing_is_stretched_that_was(make_budget):
     budget.set_limits((COUNT, BYTES))
     assert budget.problem_limits(1.0).windows == (1.0, 1.0)
     assert budget.free(1.0) == [COUNT.limit, BYTES.limit]
+
+
+def test_what_was_sent_under_a_larger_limit_counts_as_the_part_that_it_was_and_stretches_no_window(make_budget):
+    """Ours and others': nothing is held up for many windows by frames that the limit before had room for."""
+    budget, view = make_budget(BYTES, COUNT)
+    for number in range(10):
+        budget.use(0.5 * number, (220.0, 1.0))
+        heard(view, 0.5 * number + 0.1, 220)
+    smaller = replace(BYTES, limit=100.0, measure=Throughput(100.0, 1.0))
+    budget.set_limits((smaller, COUNT), 5.0)
+    budget.stretch.weigh(budget.limits, (20.0, 0.0), [((450.0, 1.0), (0.0, 0.0))])
+    assert budget.free(4.9, (30.0, 1.0)) == pytest.approx([12.0, 2.0])
+    assert 4.9 < budget.opens(4.9, (30.0, 1.0), Room.IN_TURN) < 5.4
+    assert not budget.lacking(5.4, (30.0, 1.0))
+    limits = budget.problem_limits(5.7)
+    assert limits.windows[0] > 4.0
+    assert {use[0] for _, use in (*limits.sent, *limits.others)} == {22.0}
+    budget.use(5.7, (450.0, 1.0))
+    assert budget.lacking(9.0, (90.0, 1.0)), "what is sent from then on counts whole"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "counts"),
+    [
+        (BYTES, replace(BYTES, limit=4000.0, measure=Throughput(4000.0, 1.0)), 600.0),
+        (BYTES, Limit("bytes", 4.0, 2000.0, Throughput(2000.0, 4.0)), 300.0),
+        (Limit("bytes", 4.0, 4000.0, Throughput(4000.0, 4.0)), BYTES, 150.0),
+        (COUNT, BYTES, 0.0),
+    ],
+    ids=["more", "a smaller rate", "a shorter window", "new"],
+)
+def test_what_was_sent_counts_as_the_part_of_room_and_rate_that_it_was(make_budget, before, after, counts):
+    """And never for more than it is; what one more change leaves of that, if limits change again."""
+    budget, view = make_budget(before)
+    budget.use(1.0, (600.0,))
+    heard(view, 1.1, 600)
+    budget.set_limits((after,), 1.5)
+    assert [use for _, use in budget.own] == [use for _, use in budget.others(1.5)] == [(counts,)]
+    budget.set_limits((replace(after, limit=0.5 * after.limit, measure=Throughput(0.5, 1.0)),), 1.6)
+    assert [use for _, use in budget.own] == [use for _, use in budget.others(1.6)] == [(0.5 * counts,)]
+    heard(view, 1.7, 600)
+    assert [use for t, use in budget.others(1.7) if t > 1.6] == [(600.0,)]
+
+
+def test_a_limit_that_follows_the_channel_is_no_other_one(make_budget):
+    """What was sent before it became less goes on to count in stretched windows."""
+    budget, _ = make_budget()
+    budget.use(1.0, (900.0,))
+    budget.set_limits((replace(BYTES, limit=100.0),), 1.5)
+    budget.stretch.weigh(budget.limits, (0.0,), [((450.0,), (0.0,))])
+    assert budget.lacking(4.0, (450.0,))
 
 
 def test_what_is_sent_beside_a_large_message_keeps_the_limit_alone(make_budget):

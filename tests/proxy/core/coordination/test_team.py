@@ -9,7 +9,7 @@ from proxy.core.model.settings import broadcast
 from proxy.core.protocol.bid import Segment
 from proxy.core.protocol.messages import Digest, State, StreamState
 from proxy.core.protocol.split_report import SplitReport
-from proxy.core.view.stream import Generated
+from proxy.core.view.stream import Generated, Sent
 from tests.proxy.core.coordination.conftest import WINDOW, Robot, names
 
 
@@ -55,6 +55,22 @@ def test_announcements_may_cost_more_the_fewer_messages_an_equal_part_holds(make
             team.look(announcing=announcing * affordable)
         assert team.coordination.team.splits is splits
         assert team.coordination.team.tight is (announcing * affordable > TUNING.affordable)
+
+
+def test_what_is_never_sent_makes_no_announcement_affordable(make_team):
+    """Beside frames that are larger than any limit lets pass all else seemed to leave turns to tell of."""
+    announcing = 1.01 * TUNING.affordable
+    for sent in (False, True):
+        team = make_team(size=1_000)
+        frames = team.view.streams.touch(0.0, "p1", "robot/p1-back/camera")
+        for count in range(9):
+            frames.note_generated(count + 1, Generated(count - 8.5, 10**6, 1.0))
+        for robot in ("r1", "p1") if sent else ():
+            stream = team.view.streams.known(robot, f"robot/{robot}/camera")
+            team.view.traffic.note_sent(stream, stream.forwarded + 1, Sent(0.1, 0.1, 1_000, 1.0))
+        for _ in range(2 + round(TUNING.dear_time / TUNING.interval)):
+            team.look(announcing=announcing)
+        assert team.coordination.team.splits is sent
 
 
 def test_where_only_one_robot_has_something_to_send_no_announcement_is_missed(make_team):

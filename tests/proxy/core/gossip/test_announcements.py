@@ -137,6 +137,17 @@ def test_what_announcing_takes_grows_with_how_often_large_samples_come(make_send
     assert twice.announcements.share(NOW) > before
 
 
+def test_what_is_never_sent_is_not_announced(make_sender):
+    """Frames that no limit lets pass made announcing what goes look cheap: it waited, and three quarters were free."""
+    sender = make_sender(size=round(LARGE), period=0.5)
+    share = sender.announcements.share(NOW)
+    sender.film("p0", 50 * LIMIT, 0.1, place="back")
+    assert sender.announcements.share(NOW) < share, "nobody knows yet what goes"
+    for stream in sender.streams.values():
+        sender.view.traffic.note_sent(stream, stream.forwarded + 1, Sent(NOW, NOW, round(LARGE), 1.0))
+    assert sender.announcements.share(NOW + 0.01) == pytest.approx(share, rel=0.1)
+
+
 def test_no_more_is_announced_than_the_limits_let_the_team_send(make_sender):
     """However often samples come."""
     for size in (1_000, 2_000):

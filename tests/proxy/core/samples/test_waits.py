@@ -13,7 +13,7 @@ from proxy.core.transit.latency import Latency
 from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.tuning import TUNING as VIEW
 from tests.proxy.core.samples.answers import decide_all
-from tests.proxy.core.talk import only
+from tests.proxy.core.talk import SPEC, only
 
 
 @pytest.fixture
@@ -40,6 +40,14 @@ def meet(talk):
     return talk
 
 
+ALARM = """
+[[information_type]]
+name = "alarm"
+keys = ["robot/*/alarm"]
+aggregation = "sum"
+weight = 50
+utility = { kind = "step", lifetime = "10 s" }
+"""
 OTHERS = (StreamState(1, "robot/op/camera", "camera", 0.2, size=4000, schedule="periodic"),)
 
 
@@ -68,10 +76,41 @@ def slow(rivals):
     return rivals
 
 
-def announce(talk, at):
+def announce(talk, at, size=4000):
     """The other robot has sent a frame."""
     other = talk.core.view.streams.known("op", "robot/op/camera")
-    talk.core.view.traffic.note_sent(other, other.forwarded + 1, Sent(at, at, 4000, 1.0))
+    talk.core.view.traffic.note_sent(other, other.forwarded + 1, Sent(at, at, size, 1.0))
+
+
+def test_an_alarm_that_is_not_small_waits_for_room_that_others_leave_for_as_long_as_it_is_worth_anything(
+    make_talk, make_specs
+):
+    """Another robot fills one window after the other: it was dropped at once, as our own sends left it none."""
+    talk = meet(make_talk(make_specs(text=SPEC.format(limit="80 kbit/s", window=1.0) + ALARM)))
+    talk.tell(ev.StateHeard(8.0, State("op", "zz-op", "enforce", "", OTHERS, ("robot/**",), number=3)))
+    other, done = talk.core.view.streams.known("op", "robot/op/camera"), []
+
+    def decide(now, commands):
+        """All alarms are sent, and no frame."""
+        done.extend(only(commands, Forward, Drop))
+        while decides := only(commands, Decide):
+            commands = talk.answer(now, decides[0], send=talk.core.gate.search.pending.sample.sample in alarms)
+            done.extend(only(commands, Forward, Drop))
+
+    alarms = []
+    for count in range(41, 105):
+        now = 0.2 * count
+        other.note_generated(count, Generated(now - 0.005, 4000, 1.0))
+        if count >= 90 and count % 5 == 0 and count < 100:
+            announce(talk, now, size=9500)
+        decide(now, talk.publish(now, size=4000)[1])
+        if count in {43, 48, 51, 60, 62, 71, 77, 85, 91}:
+            sample, commands = talk.publish(now + 0.01, key="robot/r1/alarm", size=600)
+            alarms.append(sample)
+            decide(now + 0.02, commands)
+    stream = talk.core.view.streams.known("r1", "robot/r1/alarm")
+    assert talk.core.gate.appraisal.disputes.weighed(stream).standing is Standing.CONTESTED
+    assert [each for each in done if each.sample == alarms[-1]] == [Forward(alarms[-1])]
 
 
 def test_a_large_sample_waits_until_the_channel_has_carried_what_another_robot_sent(slow):

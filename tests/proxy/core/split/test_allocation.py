@@ -166,6 +166,14 @@ def test_where_the_last_message_is_worth_as_much_as_the_first_there_are_no_turns
     assert sorted(part // 1900 for part in allocation.parts.values()) == [0, 0, 0, 1, 1, 1, 1, 1]
 
 
+def test_each_has_a_slot_before_any_has_two_that_are_worth_as_much():
+    """Who is first by name took three, and the last one of four had next to nothing."""
+    bid = (Segment(1900, 80, 1), Segment(1900, 80, 1), Segment(1900, 80, 2), Segment(1900, 80, 4))
+    allocation = allocate({f"r{i}": bid for i in range(4)}, 4, 100)
+    assert not allocation.slots
+    assert sorted(part // 1900 for part in allocation.parts.values()) == [1, 1, 1, 2]
+
+
 def test_slots_of_one_robot_make_room_for_a_larger_one_of_another():
     """It uses a quarter of each: nobody is silent for that, and who needs no such room takes none from them."""
     cameras = tuple(Segment(amount, 115, 1) for amount in (1406, 1422, 1433, 1434))
