@@ -233,7 +233,7 @@ class Gate:
             self.decisions.count(Shortcut.CERTAIN)
             return self.outcomes.send(now, stream, sample, use, CERTAIN)
         standing = self.appraisal.weigh(now, stream, sample)
-        if standing is Standing.CONTESTED and self._budget.by_turn(now, use):
+        if standing is Standing.CONTESTED and self._budget.in_turn(now, use):
             standing = Standing.UNDISPUTED  # nobody else may use that room
         if standing in (Standing.UNDISPUTED, Standing.HOPELESS):
             sends = standing is Standing.UNDISPUTED
