@@ -174,7 +174,7 @@ def test_only_what_is_much_larger_than_an_equal_part_goes_by_turn(make_budget):
     """However much of it is sent, once the team is known to be large."""
     robots = TUNING.large_team + 1
     large, small = (1.6 * BYTES.limit / robots,), (1.4 * BYTES.limit / robots,)
-    budget, _ = large_team(make_budget, robots, round(large[0]))
+    budget, view = large_team(make_budget, robots, round(large[0]))
     assert not budget.by_turn(0.1, large)
     budget.coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
     assert budget.by_turn(0.1, large)
@@ -182,6 +182,8 @@ def test_only_what_is_much_larger_than_an_equal_part_goes_by_turn(make_budget):
     assert not budget.in_turn(0.1, large), "it is more than our part, so a search decides"
     for step in range(1, 2000):
         now = 0.1 + 0.01 * step
+        for stream in view.streams if step % 100 == 0 else ():
+            stream.note_generated(stream.generated + 1, Generated(now, round(large[0]), 1.0))
         budget.coordination.advance(now, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
     assert budget.in_turn(now, large), "where others use little our part is larger"
     assert not budget.in_turn(now, small)
