@@ -176,17 +176,6 @@ class Budget:
             at = max(at, self.own.exceeded_since(k, room - use[k]) + limit.window + MARKET.closed)
         return at
 
-    def in_turn(self, now: float, use: tuple[float, ...]) -> bool:
-        """Whether a message goes by turns of the clock, and it needs no search whether it goes in ours.
-
-        In a large team only where our part would do for it: else 3.3 % of the windows of thirty robots were over the
-        limit, and 0.9 are.
-        """
-        large = self.coordination.team.large
-        return self.by_turn(now, use) and not (
-            large and any(amount > self.whole(now, k) for k, amount in enumerate(use))
-        )
-
     def by_turn(self, now: float, use: tuple[float, ...]) -> bool:
         """Whether a message goes by turns of the clock: in ours it takes nothing from anybody."""
         coordination = self.coordination
@@ -309,6 +298,17 @@ class Budget:
         if self.alone:
             return ()
         return self._others.sends(now, since, self.usable(now), self.own.leave_after, words=words)
+
+
+def in_turn(budget: Budget, now: float, use: tuple[float, ...]) -> bool:
+    """Whether a message goes by turns of the clock, and needs no search to go in ours.
+
+    In a large team only where our part would do for it: else 3.3 % of the windows of thirty robots were over the limit,
+    and 0.9 are.
+    """
+    if not budget.by_turn(now, use):
+        return False
+    return not budget.coordination.team.large or all(amount <= budget.whole(now, k) for k, amount in enumerate(use))
 
 
 def using(budget: Budget, now: float) -> float:

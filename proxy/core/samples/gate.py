@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from planner import Plan
-from proxy.core.coordination.budget import Budget
+from proxy.core.coordination.budget import Budget, in_turn
 from proxy.core.interface.commands import Command, Notice
 from proxy.core.interface.events import DecisionReady
 from proxy.core.market.standing import Standing
@@ -233,7 +233,7 @@ class Gate:
             self.decisions.count(Shortcut.CERTAIN)
             return self.outcomes.send(now, stream, sample, use, CERTAIN)
         standing = self.appraisal.weigh(now, stream, sample)
-        if standing is Standing.CONTESTED and self._budget.in_turn(now, use):
+        if standing is Standing.CONTESTED and in_turn(self._budget, now, use):
             standing = Standing.UNDISPUTED  # nobody else may use that room
         if standing in (Standing.UNDISPUTED, Standing.HOPELESS):
             sends = standing is Standing.UNDISPUTED

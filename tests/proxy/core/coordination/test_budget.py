@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from planner.measures import Throughput
-from proxy.core.coordination.budget import Budget, Handover, grew, sustained
+from proxy.core.coordination.budget import Budget, Handover, grew, in_turn, sustained
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
@@ -179,14 +179,14 @@ def test_only_what_is_much_larger_than_an_equal_part_goes_by_turn(make_budget):
     budget.coordination.advance(0.1, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
     assert budget.by_turn(0.1, large)
     assert not budget.by_turn(0.1, small)
-    assert not budget.in_turn(0.1, large), "it is more than our part, so a search decides"
+    assert not in_turn(budget, 0.1, large), "it is more than our part, so a search decides"
     for step in range(1, 2000):
         now = 0.1 + 0.01 * step
         for stream in view.streams if step % 100 == 0 else ():
             stream.note_generated(stream.generated + 1, Generated(now, round(large[0]), 1.0))
         budget.coordination.advance(now, budget.limits, 99.0, lambda _: 0.0, lambda _: 0.1, passes_at=lambda at: at)
-    assert budget.in_turn(now, large), "where others use little our part is larger"
-    assert not budget.in_turn(now, small)
+    assert in_turn(budget, now, large), "where others use little our part is larger"
+    assert not in_turn(budget, now, small)
 
 
 def test_traffic_that_nobody_decided_on_leaves_a_part(make_budget):
