@@ -20,7 +20,7 @@ from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts,
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.patience import Departed
-from proxy.core.coordination.team import Team, words_take_long
+from proxy.core.coordination.team import Team, words_take, words_take_long
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
@@ -198,7 +198,8 @@ class Coordination:
             return False
         # Who asks anew and cannot tell so keeps the others from doing so, and from agreeing, until it can.
         if (due or entered) and (not split.agreement.formed or passes_at(now) <= now):
-            split.bid(now, bid(self._view, now, limits), usual=usual(self._view, now, limits))
+            takes = words_take(self._view, self.team.robots)
+            split.bid(now, bid(self._view, now, limits), usual=usual(self._view, now, limits), takes=takes)
         split.advance(now, self.team.news_take(waiting), passes_at(now))
         self.formation.look(now, formed=split.agreement.formed, window=max(self._kind[0]))
         return split.exchange.has_news(now)

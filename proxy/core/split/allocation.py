@@ -44,9 +44,13 @@ class Allocation:
         """Whether a message that takes so much of a limit fits what a robot has [units]."""
         return self.largest(tag) >= _needed(amount)
 
-    def worth(self, bids: Mapping[str, Bid]) -> float:
-        """Return what slots are worth to all together [utility/s]: the same to the last bit in any order of bids."""
-        return math.fsum(_worth(bid, self.mean(tag), self.largest(tag)) for tag, bid in bids.items())
+    def worth(self, bids: Mapping[str, Bid], *, divisible: bool = False) -> float:
+        """Return what slots are worth to all together [utility/s]: the same to the last bit, however bids are ordered.
+
+        And what `divisible` room is worth to them, if that is to count.
+        """
+        worth = (_worth(bid, self.mean(tag), self.largest(tag), divisible=divisible) for tag, bid in bids.items())
+        return math.fsum(worth)
 
     def largest(self, tag: str) -> int:
         """Return the largest message that a robot may send at some time [units]."""
@@ -72,7 +76,7 @@ def worth_of_equal(bids: Mapping[str, Bid]) -> float:
     return math.fsum(_worth(bid, UNIT / len(bids), UNIT) for bid in bids.values())
 
 
-def _worth(bid: Bid, room: float, largest: float) -> float:
+def _worth(bid: Bid, room: float, largest: float, *, divisible: bool = False) -> float:
     """Return what slots are worth to a robot with so much room in the mean, but no messages beyond the `largest`.
 
     What it asks for is larger than most messages, so nearly as much does.
@@ -83,7 +87,7 @@ def _worth(bid: Bid, room: float, largest: float) -> float:
             continue
         served = min(segment.asked, room)
         room -= served
-        if segment.quarters:
+        if segment.quarters or divisible:
             total += served * density_of(segment.level)
     return total
 

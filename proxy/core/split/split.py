@@ -13,9 +13,12 @@ from proxy.core.split.tuning import TUNING
 from proxy.core.split.turns import Turn
 
 
-def worthwhile(agreement: Agreement, bid: Bid, usual: int) -> bool:
-    """Whether our bid should be this one from now on; a `usual` large message of ours takes so much [units]."""
-    same = alike(agreement.bid[1], bid) or indifferent(agreement, bid)
+def worthwhile(agreement: Agreement, bid: Bid, usual: int, takes: float) -> bool:
+    """Whether our bid should be this one from now on, as an agreement on it, which `takes` so long [s], is worth it.
+
+    A `usual` large message of ours takes so much [units].
+    """
+    same = alike(agreement.bid[1], bid) or indifferent(agreement, bid, takes)
     return not same or starves(agreement, bid, usual)
 
 
@@ -26,13 +29,19 @@ def outdoes_equal(agreement: Agreement) -> bool:
     return agreement.formed and table.allocation.worth(bids) > TUNING.unequal_gain * worth_of_equal(bids)
 
 
-def indifferent(agreement: Agreement, bid: Bid) -> bool:
-    """Whether little would be gained if all agreed on this bid: about what each has, or slots alone change hands."""
+def indifferent(agreement: Agreement, bid: Bid, takes: float = 0.0) -> bool:
+    """Whether little would be gained if all agreed on this bid: about what each has, or slots alone change hands.
+
+    Or less than slots are worth that rest while all agree, which `takes` so long [s].
+    """
     if (bids := _bids_with(agreement, bid)) is None:
         return False
     newest = agreement.log.newest
     had, allocation = newest.allocation, newest.allocated(bids)
     if allocation.resembles(had):
+        return True
+    before, after = had.worth(bids, divisible=True), allocation.worth(bids, divisible=True)
+    if agreement.bid[1] and max(0.0, after - before) < takes / TUNING.gains_for * before:
         return True
     slots = alike_but_for_slots(agreement.bid[1], bid) and all(map(few_parts, bids.values()))
     if not slots or allocation.largest(agreement.own) > TUNING.message_growth * had.largest(agreement.own):
@@ -108,15 +117,15 @@ class Split:
         self.agreement.set_members(now, tags)
         self._settle(now)
 
-    def bid(self, now: float, bid: Bid, *, usual: int = 0) -> bool:
+    def bid(self, now: float, bid: Bid, *, usual: int = 0, takes: float = 0.0) -> bool:
         """Ask for this from now on, if it differs enough and it is time; return whether we do.
 
-        A `usual` large message takes so much [units].
+        A `usual` large message takes so much [units], to agree `takes` so long [s].
         """
         agreement = self.agreement
         if agreement.silent and any(not segment.quarters or segment.amount <= agreement.equal for segment in bid):
             return False
-        if not self._may_bid(now) or not worthwhile(agreement, bid, usual):
+        if not self._may_bid(now) or not worthwhile(agreement, bid, usual, takes):
             return False
         self._bid_at = now
         agreement.ask(now, bid)

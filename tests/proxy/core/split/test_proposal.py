@@ -25,6 +25,22 @@ def test_all_agree_on_other_slots_where_that_is_worth_it():
     assert not indifferent(a, frames(110))
 
 
+def test_where_it_takes_long_to_agree_all_have_to_gain_more_by_that():
+    """What each has rests meanwhile. Who asked for nothing so far tells what it needs, or others get that."""
+    a, b = robot("a", "b"), robot("b", "a")
+    a.ask(0.0, (Segment(3000, 100),))
+    b.ask(0.0, (Segment(9000, 98),))
+    agree(0.1, a, b)
+    more = (Segment(4500, 100),)
+    assert not indifferent(a, more)
+    assert not indifferent(a, more, 0.01 * TUNING.gains_for)
+    assert indifferent(a, more, 0.1 * TUNING.gains_for)
+    assert not indifferent(a, (Segment(4500, 130),), 0.1 * TUNING.gains_for)
+    a.ask(0.2, ())
+    agree(0.3, a, b)
+    assert not indifferent(a, (Segment(1000, 90),), TUNING.gains_for)
+
+
 def test_slots_that_are_a_bit_smaller_than_what_is_asked_for_are_worth_something():
     """Most messages fit them: it is the largest that are asked for."""
     a, b = robot("a", "b"), robot("b", "a")
