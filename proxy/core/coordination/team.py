@@ -259,7 +259,7 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
 def _parts_taken(now: float, streams: Collection[Stream], robots: int, limits: tuple[Limit, ...]) -> float:
     """Return how many equal parts of so many robots a message takes, in the mean over what streams ask for."""
     taken, asked, window = 0.0, 0.0, shortest_window(limits)
-    for stream in sent_lately(now, streams, window):
+    for stream in sendable(now, streams, limits):
         use = use_of(round(stream.sizes.mean), 1, limits)
         part = max([u / c.limit for u, c in zip(use, limits, strict=True) if c.shared], default=0.0)
         asks = part / interval_of(now, stream, window)
@@ -267,14 +267,19 @@ def _parts_taken(now: float, streams: Collection[Stream], robots: int, limits: t
     return taken / asked if asked else 0.0
 
 
-def sent_lately(now: float, streams: Collection[Stream], window: float) -> Collection[Stream]:
-    """Return the streams of which anything was sent in the last windows, which last so long [s]; all if nothing was.
+def sendable(now: float, streams: Collection[Stream], limits: tuple[Limit, ...]) -> list[Stream]:
+    """Return the streams whose messages fit into every limit, or were sent in the last windows all the same.
 
     What is never sent is never announced: four robots with odometry on 50 kbit/s, whose frames are larger than it lets
     pass at all, took announcing for cheap, waited for it, and used a quarter of the limit.
     """
-    since = now - TUNING.stretched_windows * window
-    return [s for s in streams if s.sent is not None and s.sent.t_sent >= since] or streams
+    since = now - TUNING.stretched_windows * shortest_window(limits)
+    return [
+        s
+        for s in streams
+        if (s.sent is not None and s.sent.t_sent >= since)
+        or not exceeds(1.0, use_of(round(s.sizes.mean), 1, limits), limits)
+    ]
 
 
 def _affordable(taken: float) -> float:

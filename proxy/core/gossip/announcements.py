@@ -2,7 +2,7 @@
 
 from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.coordination import Coordination
-from proxy.core.coordination.team import sent_lately
+from proxy.core.coordination.team import sendable
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
@@ -66,7 +66,7 @@ class Announcements:
         limits, rate = self._limits.limits, 0.0
         window = shortest_window(limits)
         load = [0.0] * len(limits)
-        for stream in sent_lately(now, self._view.contention.all(now), window):
+        for stream in sendable(now, self._view.contention.all(now), limits):
             use = use_of(round(stream.sizes.mean), self._view.subscribers.copies(stream), limits)
             if changes_plans(use, limits):
                 often = 1.0 / interval_of(now, stream, window)
