@@ -20,10 +20,9 @@ def _problem(path: Path, *, folders: bool) -> int:
     """Return what is in the way as the system numbers it; 0: nothing."""
     if path.is_dir():
         return EISDIR
-    places = [path, *path.absolute().parents] if folders else [path, path.parent]
-    place = next((each for each in places if each.exists()), None)
-    if place is None:
-        return ENOENT
+    place = next(each for each in (path, *path.absolute().parents) if each.exists())
     if place is not path and not place.is_dir():
         return ENOTDIR
+    if not folders and place not in (path, path.absolute().parent):
+        return ENOENT
     return 0 if os.access(place, os.W_OK) else EACCES

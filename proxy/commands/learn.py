@@ -102,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
         return exit_codes.USAGE
     try:
         for path in filter(None, (arguments.output, arguments.record)):
-            _check_free(path, force=arguments.force)
+            _check_free(path, force=arguments.force, replaced=path is arguments.output)
         text = _of_recording(arguments.recording) if arguments.recording else _of_live(arguments)
         _check(text)
         if arguments.output is None:
@@ -187,12 +187,13 @@ def _check(text: str) -> None:
             ) from None
 
 
-def _check_free(path: Path, *, force: bool) -> None:
-    """Raise OutputError where a file stands in the way, or none could be written."""
+def _check_free(path: Path, *, force: bool, replaced: bool) -> None:
+    """Raise OutputError where a file stands in the way, or none could be written; one that is `replaced` is anew."""
     try:
         if path.exists() and not force:
             raise OutputError(f"{path} exists; --force replaces it")
-        check_writable([path], folders=True)
+        anew = replaced and (path.is_file() or not path.exists())
+        check_writable([_beside(Path(os.path.realpath(path))) if anew else path], folders=replaced)
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror}") from None
 
@@ -224,9 +225,14 @@ def _write(text: str, path: Path) -> None:
         print(f"sendworthy learn: with the other files of {path.parent}, it is not right:\n{error}", file=sys.stderr)
 
 
+def _beside(path: Path) -> Path:
+    """Return the file that is written whole before it takes another one's place."""
+    return path.with_name(f".{path.name}.new")
+
+
 def _replace(path: Path, text: str) -> None:
     """Write a file that is there whole or not at all. Raises OSError."""
-    beside = path.with_name(f".{path.name}.new")
+    beside = _beside(path)
     try:
         beside.write_text(text, encoding="utf-8")
         beside.replace(path)

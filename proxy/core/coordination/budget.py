@@ -99,7 +99,9 @@ class Budget:
         """Put these constraints in force now [s]; what we sent still counts against those of the same name and kind.
 
         Where the specs set less, that is the part of the limit that it was: as an operator lowered 1 Mbit/s to 0.2 (20
-        in windows of 30 s to 3), four robots with cameras sent next to nothing for 12 s (nothing for 6 and more).
+        in windows of 30 s to 3), four robots with cameras sent next to nothing for 12 s (nothing for 6 and more). That
+        stays so if the limit is raised again: who sets 1 Mbit/s to 0.2 and back within a window allows 1.8 limits in
+        it.
         """
         if limits == self.limits:
             return

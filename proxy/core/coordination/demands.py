@@ -7,7 +7,7 @@ from functools import partial
 from planner import Aggregation
 from planner.utility import integral
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.standing import interval_of, variance_of
+from proxy.core.market.standing import interval_of, rate_known, variance_of
 from proxy.core.model.lifetimes import worthless_from
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.bid import Bid
@@ -40,8 +40,10 @@ def _demands(view: SharedView, now: float, limits: Sequence[Limit], window: floa
             max(use / limit.limit for use, limit in zip(use_of(size, copies, shared), shared, strict=True))
             for size in sorted(sizes)
         ]
-        most = TUNING.new_stream if stream.information_type.markovian else TUNING.new_random
-        interval = interval_of(now, stream, window, most)
+        interval = interval_of(now, stream, window, TUNING.new_stream)
+        if not (stream.information_type.markovian or rate_known(now, stream, window)):
+            # It comes at random: after one alarm robots asked for three a window, and one of four had next to nothing.
+            interval = max(interval, window / max(stream.generated, 1))
         mean = sum(parts) / len(parts)
         variance = variance_of(stream, window / interval, mean, mean * spread / max(stream.sizes.mean, 1.0))
         period = stream.schedule.period if stream.schedule.kind == "periodic" else 0.0

@@ -28,10 +28,10 @@ NOT_NEEDED, NOT_NOW = Turn(-math.inf), Turn(math.inf)
 class ClockTurns:
     """Our turns with the large messages of every shared limit, which come first; they have these `windows` [s].
 
-    In a *cycle* by the wall clock each robot has one short turn, in the order of tags, so far apart that no window
-    holds more of them than there is room for. It depends on the number of robots, and on the second largest messages
-    that states tell, so that none takes the others theirs alone. 28 robots with cameras had 67 % of the windows over
-    the limit without turns, and have none (broadcast).
+    In a *cycle* by the wall clock each robot that may send has one short turn, in the order of tags, so far apart that
+    no window holds more of them than there is room for. It depends on the number of robots, and on the second largest
+    messages that states tell, so that none takes the others theirs alone. 28 robots with cameras had 67 % of the
+    windows over the limit without turns, and have none (broadcast).
     """
 
     def __init__(self, now: float, windows: Sequence[float]) -> None:
@@ -72,12 +72,12 @@ class ClockTurns:
         told = [max((each.size for key, each in peer.told.items() if planned(key)), default=0) for peer in peers]
         known = sorted([size for size in (ours, *told) if size])
         size = (known or [0])[-2 if len(known) > 2 else -1]
-        if team.large:  # of which some messages are not known yet
-            size, ours = round(TUNING.turn_size * size), round(TUNING.turn_size * ours)
+        larger = round(TUNING.turn_size * size)
         for k in range(len(self._windows)):
-            part = _part(limits[k], size, copies)
+            # Of a large team some messages are not known yet.
+            part = _part(limits[k], larger if team.large else size, copies)
             self._slots[k] = max(1, math.floor(1.0 / part)) if part > 0.0 else 0
-            self._saved[k] = _part(limits[k], max(size, ours), copies)
+            self._saved[k] = _part(limits[k], max(larger, round(TUNING.turn_size * ours)), copies)
 
     @property
     def needed(self) -> bool:

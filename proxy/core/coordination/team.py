@@ -150,7 +150,8 @@ class Team:
         competing = view.contention.all(now)
         sending = {stream.robot for stream in competing} | _unheard(view)
         self.sharers = self.members if self.large else self._find_senders()
-        share, taken = announcing(now), _parts_taken(now, competing, self.sharing, limits)
+        sent = sendable(now, competing, limits, view.subscribers.copies)
+        share, taken = announcing(now), _parts_taken(now, sent, self.sharing, limits)
         dear = share > still * _affordable(taken)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
@@ -259,7 +260,7 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
 def _parts_taken(now: float, streams: Collection[Stream], robots: int, limits: tuple[Limit, ...]) -> float:
     """Return how many equal parts of so many robots a message takes, in the mean over what streams ask for."""
     taken, asked, window = 0.0, 0.0, shortest_window(limits)
-    for stream in sendable(now, streams, limits):
+    for stream in streams:
         use = use_of(round(stream.sizes.mean), 1, limits)
         part = max([u / c.limit for u, c in zip(use, limits, strict=True) if c.shared], default=0.0)
         asks = part / interval_of(now, stream, window)
@@ -267,8 +268,10 @@ def _parts_taken(now: float, streams: Collection[Stream], robots: int, limits: t
     return taken / asked if asked else 0.0
 
 
-def sendable(now: float, streams: Collection[Stream], limits: tuple[Limit, ...]) -> list[Stream]:
-    """Return the streams whose messages fit into every limit, or were sent in the last windows all the same.
+def sendable(
+    now: float, streams: Collection[Stream], limits: tuple[Limit, ...], copies: Callable[[Stream], int]
+) -> list[Stream]:
+    """Return the streams whose messages fit into every limit, in so many `copies`, or were sent lately all the same.
 
     What is never sent is never announced: four robots with odometry on 50 kbit/s, whose frames are larger than it lets
     pass at all, took announcing for cheap, waited for it, and used a quarter of the limit.
@@ -278,7 +281,7 @@ def sendable(now: float, streams: Collection[Stream], limits: tuple[Limit, ...])
         s
         for s in streams
         if (s.sent is not None and s.sent.t_sent >= since)
-        or not exceeds(1.0, use_of(round(s.sizes.mean), 1, limits), limits)
+        or not exceeds(1.0, use_of(round(s.sizes.mean), copies(s), limits), limits)
     ]
 
 

@@ -161,9 +161,6 @@ class CoordinationTuning:
     """Messages that take so many times as long as they are worth anything are not asked for."""
     new_stream: float = 4.0
     """A new stream may generate so many times as much in a window as so far: an alarm asked for two thirds of all."""
-    new_random: float = 1.0
-    """One of which each sample counts comes at random: after one alarm in a moment robots asked for three a window, and
-    as agreeing on less gained too little, one of four under 10 messages a second sent nothing for 25 s."""
     size_deviations: tuple[float, ...] = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
     """Sizes of a stream are taken to be so many standard deviations from their mean."""
 
@@ -181,7 +178,8 @@ class CoordinationTuning:
     turn_step: float = 1.15
     """The robots of a large team are rounded up to a power of this for turns..."""
     turn_size: float = 1.05
-    """... and its slots are so much larger than its largest messages: 28 cameras that broadcast reach 10 % more."""
+    """... and its slots are so much larger than its largest messages: 28 cameras that broadcast reach 10 % more. So
+    much more than the mean is saved for a message, too, as sizes vary."""
     small_counts: float = 1.4
     """Before a turn what went without one counts so many times, as what others send so varies: of five drawn workloads
     of twelve robots 7.8 % of the windows were over without that, and 3.5 are."""

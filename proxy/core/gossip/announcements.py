@@ -64,10 +64,10 @@ class Announcements:
         if self.overheard:
             return 0.0
         limits, rate = self._limits.limits, 0.0
-        window = shortest_window(limits)
+        window, copies = shortest_window(limits), self._view.subscribers.copies
         load = [0.0] * len(limits)
-        for stream in sendable(now, self._view.contention.all(now), limits):
-            use = use_of(round(stream.sizes.mean), self._view.subscribers.copies(stream), limits)
+        for stream in sendable(now, self._view.contention.all(now), limits, copies):
+            use = use_of(round(stream.sizes.mean), copies(stream), limits)
             if changes_plans(use, limits):
                 often = 1.0 / interval_of(now, stream, window)
                 rate += often

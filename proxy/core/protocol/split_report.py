@@ -36,9 +36,7 @@ class SplitReport:
 def report_fields(report: SplitReport) -> list[Any]:
     """Return a report as numbers, bytes and lists; what is as usual at the end is left out."""
     agreed = -1 if report.agreed == report.table else report.agreed
-    ticks = (
-        min(TUNING.unused_ticks, max(0, int(report.unused / TICK + 1e-6))) if report.turns or not report.agreed else 0
-    )
+    ticks = min(TUNING.unused_ticks, max(0, int(report.unused / TICK + 1e-6))) if report.turns else 0
     bid = None if report.bid is None else packed(report.bid)
     fields = [report.version, report.table, agreed, bid, list(report.turns), ticks, report.missing]
     while fields[-1] == _USUAL[len(fields) - 1]:

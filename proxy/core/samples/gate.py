@@ -196,6 +196,8 @@ class Gate:
         left = self._budget.free(now)
         for each in (waiting, *self.undecided):
             use = self.appraisal.use(self.appraisal.stream_of(now, each), each)
+            if self._budget.by_turn(now, use):
+                return False
             left = [room - amount for room, amount in zip(left, use, strict=True)]
             if min(left, default=0.0) < 0.0:
                 return False

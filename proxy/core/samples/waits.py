@@ -46,7 +46,7 @@ class Waits:
 
     @property
     def for_room(self) -> bool:
-        """Whether a sample waits for room."""
+        """Whether a sample waits for room, not for a turn."""
         return bool(self._followers)
 
     def postpone(self, now: float, sample: Waiting) -> bool:
@@ -154,7 +154,7 @@ class Waits:
         """
         patience = max(self._disputes.patience(stream), half_life(stream.information_type.utility))
         opens = self._budget.opens(now, use)
-        if opens <= now and self._gains_less(now, stream, sample):
+        if opens <= now and not self._appraisal.owed(now, stream, sample) and self._gains_less(now, stream, sample):
             opens = now + TUNING.shortest_wait
         if not now < opens <= sample.t_gen + patience:
             return False
@@ -162,7 +162,7 @@ class Waits:
         return True
 
     def _gains_less(self, now: float, stream: Stream, sample: Waiting) -> bool:
-        """Whether another sample gains more that waits for our turn, too.
+        """Whether another sample gains more that could go in our turn now, too.
 
         Eight robots with frames and with samples that last for 10 s reach 75 % of a central decider so, and 49 where
         the oldest goes.
@@ -172,7 +172,8 @@ class Waits:
             other = self._appraisal.stream_of(now, each) if each.key != sample.key else None
             if other is None or claim(now, other)[0] * each.size <= gain:
                 continue
-            if self._budget.by_turn(now, self._appraisal.use(other, each)):
+            use = self._appraisal.use(other, each)
+            if self._budget.by_turn(now, use) and not self._budget.lacking(now, use):
                 return True
         return False
 

@@ -171,7 +171,7 @@ def test_in_a_large_team_a_message_larger_than_a_part_goes_once_in_a_turn(make_b
 
 
 def test_only_what_is_much_larger_than_an_equal_part_goes_by_turn(make_budget):
-    """However much of it is sent, once the team is known to be large."""
+    """Once the team is known to be large; where others use little no search is needed."""
     robots = TUNING.large_team + 1
     large, small = (1.6 * BYTES.limit / robots,), (1.4 * BYTES.limit / robots,)
     budget, view = large_team(make_budget, robots, round(large[0]))
