@@ -40,6 +40,8 @@ class MarketTuning:
     few_others: int = 5
     """Where no more others speak, what left late counts once: of eight robots with cameras, and an operator, 1.2 % of
     the windows were over the limit so, and 0.02 are where it counts twice (four robots: 0.2 either way)."""
+    cheaper: tuple[float, ...] = (0.0, 0.1, 0.2, 0.4, 0.7)
+    """Room that whole messages leave over costs the first of these parts of its price for which it is enough."""
     hopeless: float = 0.3
     """A stream is hopeless when its first sample earns no more than this part of the price."""
     reserve_deviations: float = 2.0

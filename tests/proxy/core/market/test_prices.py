@@ -95,6 +95,15 @@ def test_small_samples_are_sent_as_often_as_pays(make_row):
     assert 0.6 * 125_000 <= used <= 1.3 * 125_000
 
 
+@pytest.mark.parametrize(("size", "often"), [(40_000, True), (26_500, False), (61_000, False), (90_000, False)])
+def test_small_samples_take_what_whole_frames_leave(make_row, size, often):
+    """However many of these are left out; but no frame gives way, nor what is larger than a window or nearly so."""
+    rows = *(make_row("camera", 10.0, size) for _ in range(3)), *(make_row("odometry", 50.0, 250) for _ in range(3))
+    small = weighed(*rows)[3:]
+    assert {each.standing for each in small} == {Standing.PRICED}
+    assert {each.apart == 0.02 for each in small} == {often}
+
+
 def test_small_samples_take_no_more_than_may_be_booked(make_row):
     """Beside frames as large as the limit."""
     rows = make_row("camera", 10.0, 62_000), *(make_row("odometry", 50.0, 1_000) for _ in range(4))
