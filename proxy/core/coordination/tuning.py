@@ -176,9 +176,9 @@ class CoordinationTuning:
     """Messages that are larger than so many equal parts go by turns; in a small team all do then that are larger than
     one: of six robots those that took 1.4 parts, and went without, had 6 % of the windows over the limit."""
     turn_step: float = 1.15
-    """The robots of a large team are rounded up to a power of this for turns..."""
+    """Robots are rounded up to a power of this for turns."""
     turn_size: float = 1.05
-    """... and its slots are so much larger than its largest messages: 28 cameras that broadcast reach 10 % more. So
+    """Slots of a large team are so much larger than its largest messages: 28 cameras that broadcast reach 10 % more. So
     much more than the mean is saved for a message, too, as sizes vary."""
     small_counts: float = 1.4
     """Before a turn what went without one counts so many times, as what others send so varies: of five drawn workloads

@@ -11,7 +11,7 @@ from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import limits_of
 from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.messages import State, StreamState
+from proxy.core.protocol.messages import StreamState
 from proxy.core.view.stream import Generated
 from proxy.core.view.view import SharedView
 from tests.proxy.core.coordination.conftest import WINDOW, names
@@ -24,11 +24,10 @@ STEP = 0.01
 def make_turns(make_specs):
     """The turns of the robot at a `place` among so many, whose messages take this part of the limit.
 
-    Of the others so many `tellers` have such that take another one, which they have `told`. Beside them are
-    `listeners`, which say in their states that they have nothing to send.
+    Of the others so many `tellers` have such that take another one, which they have `told`.
     """
 
-    def make(robots, place, part, *, told=0.0, tellers=0, ahead=0.0, listeners=()):
+    def make(robots, place, part, *, told=0.0, tellers=0, ahead=0.0):
         own = f"p{place - 1:02d}x" if place else "a"
         specs = make_specs(window=WINDOW)
         view, limits = SharedView(CoreSettings("r1", own), specs), limits_of(specs, 0.02, robots)
@@ -42,9 +41,6 @@ def make_turns(make_specs):
             theirs, key = round((told if number < tellers else part) * limits[0].limit), f"robot/{name}/camera"
             view.peers[name].told[key] = StreamState(1, key, "camera", 0.5, size=theirs)
         view.clocks.offset = ahead
-        for name in listeners:
-            view.add_peer(0.0, name, name)
-            view.peers[name].state = State(name, name, "enforce", "")
         team, turns = Team(view, 0.0), ClockTurns(0.0, [WINDOW])
         team.set_members(view.peers)
         turns.look(view, limits, team)
@@ -86,14 +82,6 @@ def test_who_misses_some_of_the_others_has_nearly_the_same_turns(make_turns):
     """Else the turns of robots that do not hear all would lie anywhere."""
     all_heard, some = sends(make_turns(49, 20, 0.04), 0.04), sends(make_turns(46, 19, 0.04), 0.04)
     assert all_heard == pytest.approx(some, abs=0.1 * WINDOW)
-
-
-def test_who_only_listens_has_no_turn_in_a_small_team(make_turns):
-    """All know that by states; of a large team not all are known, so all have turns."""
-    listeners = ("b0", "zz")
-    for robots, left in ((6, False), (TUNING.large_team + 5, True)):
-        plain, beside = (sends(make_turns(robots, 2, 0.3, listeners=those), 0.3) for those in ((), listeners))
-        assert (plain != beside) is left
 
 
 def test_all_have_the_turns_of_the_largest_messages_that_states_tell_of(make_turns):

@@ -81,7 +81,7 @@ def test_nobody_takes_what_others_say_for_hollow_where_most_samples_are_worth_no
 
 @pytest.mark.full
 def test_messages_much_larger_than_a_part_use_their_turns():
-    """Each waits for the next turn of its robot, however soon another sample may come; an operator has none."""
+    """Each waits for the next turn of its robot, however soon another sample may come."""
     frames = Kind("frames", Step(1.0, 2.0), (7.0, 9.0), (8_200, 9_000), at_random=True)
     workload = Workload("frames", ((frames,),) * 12, 0.3 * MBIT, 1.0)
     mission = draw_from(workload, 0, WARM_UP + 10.0, latency=0.002)
