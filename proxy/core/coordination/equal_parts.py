@@ -80,7 +80,7 @@ class ClockTurns:
         """Whether messages are so much larger than an equal part that they need turns.
 
         Where these went whenever a robot's longer window had room six robots with frames of 0.3 limits had 43 % of the
-        windows over the limit, by up to 1.7, and have 3 %.
+        windows over the limit, by up to 1.7, and have 1.4 %.
         """
         return max(self._saved, default=0.0) * self._robots > TUNING.turn_parts
 
