@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
-from proxy.core.market.standing import interval_of
+from proxy.core.market.standing import interval_of, known_until
 from proxy.core.model.limits import Limit, allowance_of, changes_plans, exceeds, shortest_window, use_of
 from proxy.core.model.settings import is_broadcast
 from proxy.core.protocol.messages import Digest
@@ -151,7 +151,7 @@ class Team:
         sending = {stream.robot for stream in competing} | _unheard(view)
         self.sharers = self.members if self.large else self._find_senders()
         sent = sendable(now, competing, limits, view.subscribers.copies)
-        share, taken = announcing(now), _parts_taken(now, sent, self.sharing, limits)
+        share, taken = announcing(now), _parts_taken(now, view, sent, limits, robots=self.sharing)
         dear = share > still * _affordable(taken)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
@@ -257,13 +257,15 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
     return not any(exceeds(TUNING.announced_part, use, (limit,)) for use, limit in words)
 
 
-def _parts_taken(now: float, streams: Collection[Stream], robots: int, limits: tuple[Limit, ...]) -> float:
+def _parts_taken(
+    now: float, view: SharedView, streams: Collection[Stream], limits: tuple[Limit, ...], *, robots: int
+) -> float:
     """Return how many equal parts of so many robots a message takes, in the mean over what streams ask for."""
     taken, asked, window = 0.0, 0.0, shortest_window(limits)
     for stream in streams:
         use = use_of(round(stream.sizes.mean), 1, limits)
         part = max([u / c.limit for u, c in zip(use, limits, strict=True) if c.shared], default=0.0)
-        asks = part / interval_of(now, stream, window)
+        asks = part / interval_of(known_until(now, view, stream), stream, window)
         taken, asked = taken + asks * part * robots, asked + asks
     return taken / asked if asked else 0.0
 

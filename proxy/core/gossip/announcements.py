@@ -6,7 +6,7 @@ from proxy.core.coordination.team import sendable
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
-from proxy.core.market.standing import interval_of
+from proxy.core.market.standing import interval_of, known_until
 from proxy.core.model.limits import changes_plans, shortest_window, use_of
 from proxy.core.model.settings import is_broadcast
 from proxy.core.view.stream import Stream
@@ -69,7 +69,7 @@ class Announcements:
         for stream in sendable(now, self._view.contention.all(now), limits, copies):
             use = use_of(round(stream.sizes.mean), copies(stream), limits)
             if changes_plans(use, limits):
-                often = 1.0 / interval_of(now, stream, window)
+                often = 1.0 / interval_of(known_until(now, self._view, stream), stream, window)
                 rate += often
                 load = [before + often * each for before, each in zip(load, use, strict=True)]
         fits = [c.limit / c.window / each for c, each in zip(limits, load, strict=True) if c.shared and each > 0.0]

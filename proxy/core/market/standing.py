@@ -98,17 +98,32 @@ def rows_of(
 ) -> list[Row]:
     """Return a row of each of the streams, which compete for these limits; so many that compete are `new`."""
     of, copies, robot = audiences.of, view.subscribers.copies, view.settings.robot
-    return [row_of(now, s, of(now, s), copies(s), limits, own=s.robot == robot, new=new) for s in streams]
+    return [
+        row_of(known_until(now, view, s), s, of(now, s), copies(s), limits, own=s.robot == robot, new=new)
+        for s in streams
+    ]
+
+
+def known_until(now: float, view: SharedView, stream: Stream) -> float:
+    """Return until when it is known what a stream generated [s]: of ours that is now.
+
+    What others do not tell of goes on as it did, if it has a rhythm: else windows of eight robots were over the limit
+    by 5 %. Nor is silent who has not told anything since: streams of which one sample was known for 10 s counted as so
+    many times as seldom as they are, and announcing seemed to be cheap again where nobody announced.
+    """
+    if stream.robot == view.settings.robot:
+        return now
+    newest = stream.newest.t_gen
+    return newest if _is_periodic(stream) else max(newest, view.staleness.reported_until(stream.robot, now))
 
 
 def row_of(
-    now: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
+    until: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
 ) -> Row:
     """Return a stream whose samples go to this audience, in so many copies, as a row; so many are `new`.
 
-    What others do not tell of goes on as it did: else windows of eight robots were over the limit by 5 %.
+    It is known `until` then what it generated [s].
     """
-    until = stream.touched if not own and _is_periodic(stream) else now
     size = round(stream.sizes.mean)
     use = use_of(size, copies, limits, own=own)
     more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
