@@ -155,7 +155,7 @@ def begins_together(robots, seed):
 @pytest.mark.parametrize("seed", range(1, 7))
 @pytest.mark.parametrize(("robots", "fullest"), [(4, 1.1), (8, 1.4)])
 def test_a_team_that_begins_in_one_moment_loses_no_small_sample(robots, fullest, seed):
-    """Two seconds after its daemons: nearly two frames fill the limit, and of eight robots news take a quarter of it."""
+    """Two seconds after its daemons: nearly two frames fill the limit, and news of eight robots take a quarter."""
     small, lost, held = begins_together(robots, seed)
     assert len(small) > 20 * robots
     assert not lost
