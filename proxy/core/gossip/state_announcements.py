@@ -223,7 +223,9 @@ class StateAnnouncements:
         if self._subscriptions_are_new:
             ahead |= owed <= self._budget.takes(len(pack_state(self.state)), self._account.copies)
         ahead = ahead and not self._coordination.team.large
-        return max(self._announced_at + TUNING.states_apart, now if ahead else now + owed)
+        takes = self._budget.takes(TUNING.state_update, self._account.copies)
+        apart = max(TUNING.states_apart, min(TUNING.longest_apart, TUNING.states_part * takes))
+        return max(self._announced_at + apart, now if ahead else now + owed)
 
     def _announce(self, now: float, mode: Mode) -> list[Command]:
         self._review_at, self._reviewed_at = math.inf, now

@@ -337,6 +337,24 @@ def many(talk, now, count=COORDINATION.large_team):
         talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
 
 
+@pytest.mark.parametrize(("others", "allowance", "states"), [(2, 0.05, 2), (16, 0.001, 1)])
+def test_where_a_state_takes_long_large_streams_that_begin_together_are_told_together(
+    make_talk, others, allowance, states
+):
+    """Each to every other robot, and all of the team do that in the same moment."""
+    talk = make_talk(allowance=allowance)
+    talk.want(0.0)
+    many(talk, 5.0, others)
+    talk.tell(ev.TimePassed(60.0))
+    talk.said.clear()
+    for k in range(2):
+        talk.publish(60.0 + 0.3 * k, key=f"robot/{k}/camera", size=1500)
+        talk.tell(ev.TimePassed(60.25 + 0.3 * k))
+    assert len(talk.all(SendState)) == states
+    talk.tell(ev.TimePassed(60.3 + TUNING.longest_apart))
+    assert len(talk.all(SendState)[-1].state.streams) == 2
+
+
 def test_a_large_team_hears_of_subscriptions_unasked(make_talk):
     """Together, whoever comes about then; who subscribes to nothing waits until it is asked."""
     talk = make_talk()
