@@ -291,7 +291,9 @@ def _affordable(taken: float) -> float:
     """Return which part of the allowance announcements may take where messages take so many equal parts."""
     if taken > 1.0:
         return TUNING.affordable_turns
-    return min(1.0, TUNING.affordable + TUNING.affordable_few * max(0.0, taken - TUNING.many_to_a_part))
+    return min(
+        TUNING.affordable_at_most, TUNING.affordable + TUNING.affordable_few * max(0.0, taken - TUNING.many_to_a_part)
+    )
 
 
 def words_take_long(view: SharedView, robots: int) -> bool:

@@ -42,6 +42,8 @@ class MarketTuning:
     the windows were over the limit so, and 0.02 are where it counts twice (four robots: 0.2 either way)."""
     cheaper: tuple[float, ...] = (0.0, 0.1, 0.2, 0.4, 0.7)
     """Room that whole messages leave over costs the first of these parts of its price for which it is enough."""
+    needless: float = 1e-6
+    """Of a stream whose last sample earns no more than this part of what its first does not every one is needed."""
     hopeless: float = 0.3
     """A stream is hopeless when its first sample earns no more than this part of the price."""
     reserve_deviations: float = 2.0

@@ -45,7 +45,13 @@ def test_where_news_are_late_or_cost_too_much_a_robot_finds_that_the_team_has_to
 
 
 @pytest.mark.parametrize(
-    ("size", "affordable"), [(1_000, TUNING.affordable), (3_000, 0.925), (6_000, 1.0), (7_000, TUNING.affordable_turns)]
+    ("size", "affordable"),
+    [
+        (1_000, TUNING.affordable),
+        (2_000, 0.85),
+        (6_000, TUNING.affordable_at_most),
+        (7_000, TUNING.affordable_turns),
+    ],
 )
 def test_announcements_may_cost_more_the_fewer_messages_an_equal_part_holds(make_team, size, affordable):
     """For few of them leave much of it; and larger ones would go by turns, which have to be told, too."""

@@ -32,6 +32,10 @@ keys = ["chatter"]
 weight = 0.0001
 utility = { kind = "linear", slope = 1.0 }
 [[information_type]]
+name = "status"
+keys = ["status"]
+utility = { kind = "step", lifetime = "20 s" }
+[[information_type]]
 name = "finding"
 keys = ["finding"]
 aggregation = "current"
@@ -101,6 +105,16 @@ def test_small_samples_take_what_whole_frames_leave(make_row, size, often):
     small = weighed(*rows)[3:]
     assert {each.standing for each in small} == {Standing.PRICED}
     assert {each.apart == 0.02 for each in small} == {often}
+
+
+@pytest.mark.parametrize(("size", "generated", "apart"), [(1_000, 20, 2), (2_000, 20, 4), (400, 20, 1), (1_000, 2, 1)])
+def test_samples_that_are_not_needed_leave_the_others_room(make_row, size, generated, apart):
+    """Where one in many would do, nothing has a price, and not all fits; of how often it comes enough is known."""
+    status = [make_row("status", 50.0, size, generated=generated) for _ in range(4)]
+    *found, pose = weighed(*status, make_row("odometry", 10.0, 400))
+    assert pose.standing is Standing.UNDISPUTED
+    assert [each.apart / each.interval for each in found] == pytest.approx([apart] * 4)
+    assert (found[0].standing is Standing.PRICED) is (apart > 1)
 
 
 def test_small_samples_take_no_more_than_may_be_booked(make_row):
