@@ -101,6 +101,12 @@ class Schedule:
             return []
         return self._pattern.expect(Span(after if now is None else now, after, until, most))
 
+    def ahead(self, now: float, after: float, until: float, most: int, at_last: float) -> list[float]:
+        """Return the same as things are now; where that is never the first one until `at_last` [s], if any."""
+        if self._pattern is None or until <= after:
+            return self.forecast(after, at_last, 1, now)
+        return self._pattern.ahead(Span(now, after, until, most), at_last)
+
     def prospect(self) -> tuple[float, float, float]:
         """Return when the last sample came (else -∞), the timeout, and about when the next one comes (else ∞) [s]."""
         last = self._history.newest[1]

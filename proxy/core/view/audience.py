@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -126,7 +127,7 @@ def _with_nearest_joined(groups: list[Way]) -> list[Way]:
     return [*groups[:at], _joined(groups[at : at + 2]), *groups[at + 2 :]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Audience:
     """Those that gain by a stream: `size` [B] take `latency` [s] to the first, every byte more `per_byte` [s/B]."""
 
@@ -139,17 +140,17 @@ class Audience:
         """The time that a message of so many bytes takes to the first of the receivers [s]."""
         return max(0.0, self.latency + self.per_byte * (size - self.size))
 
-    @property
+    @cached_property
     def share(self) -> float:
         """How many receivers there are, each counted by the chance that a message gets there."""
         return sum([r.share for r in self.receivers])
 
-    @property
+    @cached_property
     def mean(self) -> float:
         """The mean time to those whom messages get to [s]."""
         return self.latency + sum([r.delay * r.share for r in self.receivers]) / self.share
 
-    @property
+    @cached_property
     def slowest(self) -> float:
         """The time to the last of the receivers [s]."""
         return self.latency + max([r.delay for r in self.receivers])

@@ -130,8 +130,7 @@ def forecast(
             ours = ours or claim(now, deciding)
             decided = claim(now, c.stream) < ours
         after = now if decided else _unheard_since(now, view, c, limits, longest)
-        times = c.stream.schedule.forecast(after, end, TUNING.forecasts_of_a_stream, now)
-        c.expect(times or c.stream.schedule.forecast(after, until, 1, now))
+        c.expect(c.stream.schedule.ahead(now, after, end, TUNING.forecasts_of_a_stream, until))
     if not limits.alone:
         _choose(candidates, limits.union)
 
