@@ -49,9 +49,13 @@ class WindowSize:
 
 
 class Window(NamedTuple):
-    """The `problem` of a decision. It would have so many messages of itself; `candidates` are its streams, in order."""
+    """The `problem` of a decision, which has `held` messages to decide besides the current one, and `full` of itself.
+
+    The `candidates` are its streams, in order.
+    """
 
     problem: Problem
+    held: int
     full: int
     candidates: list[Candidate]
 
@@ -84,7 +88,8 @@ class WindowBuilder:
         for c in candidates:
             opened += expected(now, c, c.times, limits)
         opened.sort(key=itemgetter(0, 1))
-        return Window(problem(now, self._started, Contents(candidates, opened, demanded), limits), full, candidates)
+        made = problem(now, self._started, Contents(candidates, opened, demanded), limits)
+        return Window(made, len(opened) - 1, full, candidates)
 
     def _contested(self, now: float, limits: Limits) -> Limits:
         """Return what is left of the limits to what is contested, without the sends that are booked."""
