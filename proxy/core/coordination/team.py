@@ -2,7 +2,8 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
@@ -16,6 +17,14 @@ from proxy.core.split.split import outdoes_equal
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
+
+
+class Asking(NamedTuple):
+    """A stream whose messages may be sent: what one uses in all its copies, and the mean time between two [s]."""
+
+    stream: Stream
+    use: tuple[float, ...]
+    interval: float
 
 
 class Team:
@@ -140,7 +149,7 @@ class Team:
         now: float,
         limits: tuple[Limit, ...],
         waiting: float,
-        announcing: Callable[[float], float],
+        announcing: Callable[[Sequence[Asking]], float],
         *,
         asked: bool,
         heeded: bool = True,
@@ -151,7 +160,7 @@ class Team:
         sending = {stream.robot for stream in competing} | _unheard(view)
         self.sharers = self.members if self.large else self._find_senders()
         sent = sendable(now, competing, limits, view.subscribers.copies)
-        share, taken = announcing(now), _parts_taken(now, sent, self.sharing, limits)
+        share, taken = announcing(sent), _parts_taken(sent, self.sharing, limits)
         dear = share > still * _affordable(taken)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
@@ -224,10 +233,10 @@ class Team:
             self.seldom = self._splits_seldom = False
             return
         period = max(stream.schedule.period for stream in own)
-        rhythms = [(s.schedule.kind, s.schedule.period, use) for s, use in uses]
+        large = [(s.schedule.kind, s.schedule.period, use) for s, use in uses]
         told = [each for peer in self._view.peers.values() for each in peer.told.values()]
-        rhythms += [(each.schedule, each.period or period, use_of(each.size, 1, limits)) for each in told]
-        large = [each for each in rhythms if changes_plans(each[2], limits)]
+        rhythms = [(each.schedule, each.period or period, use_of(each.size, 1, limits)) for each in told]
+        large += [each for each in rhythms if changes_plans(each[2], limits)]
         asked = [sum(use[k] * c.window / period for _, period, use in large) / c.limit for k, c in enumerate(limits)]
         least = TUNING.seldom_period * shortest_window(limits)
         self.seldom = max(asked, default=0.0) > 1.0 and all(
@@ -257,32 +266,32 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
     return not any(exceeds(TUNING.announced_part, use, (limit,)) for use, limit in words)
 
 
-def _parts_taken(now: float, streams: Collection[Stream], robots: int, limits: tuple[Limit, ...]) -> float:
+def _parts_taken(sending: Iterable[Asking], robots: int, limits: tuple[Limit, ...]) -> float:
     """Return how many equal parts of so many robots a message takes, in the mean over what streams ask for."""
-    taken, asked, window = 0.0, 0.0, shortest_window(limits)
-    for stream in streams:
+    taken, asked = 0.0, 0.0
+    for stream, _, interval in sending:
         use = use_of(round(stream.sizes.mean), 1, limits)
         part = max([u / c.limit for u, c in zip(use, limits, strict=True) if c.shared], default=0.0)
-        asks = part / interval_of(now, stream, window)
+        asks = part / interval
         taken, asked = taken + asks * part * robots, asked + asks
     return taken / asked if asked else 0.0
 
 
 def sendable(
     now: float, streams: Collection[Stream], limits: tuple[Limit, ...], copies: Callable[[Stream], int]
-) -> list[Stream]:
+) -> list[Asking]:
     """Return the streams whose messages fit into every limit, in so many `copies`, or were sent lately all the same.
 
     What is never sent is never announced: four robots with odometry on 50 kbit/s, whose frames are larger than it lets
     pass at all, took announcing for cheap, waited for it, and used a quarter of the limit.
     """
-    since = now - TUNING.stretched_windows * shortest_window(limits)
-    return [
-        s
-        for s in streams
-        if (s.sent is not None and s.sent.t_sent >= since)
-        or not exceeds(1.0, use_of(round(s.sizes.mean), copies(s), limits), limits)
-    ]
+    found, window = list[Asking](), shortest_window(limits)
+    since = now - TUNING.stretched_windows * window
+    for stream in streams:
+        use = use_of(round(stream.sizes.mean), copies(stream), limits)
+        if (stream.sent is not None and stream.sent.t_sent >= since) or not exceeds(1.0, use, limits):
+            found.append(Asking(stream, use, interval_of(now, stream, window)))
+    return found
 
 
 def _affordable(taken: float) -> float:

@@ -8,7 +8,7 @@ small streams under 2 Mbit/s one decider reached 99 % of the bound so at 0.4 ms 
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -91,7 +91,7 @@ class Market:
         cost = np.array([w.cost for w in weighed])
         for part in TUNING.cheaper:
             more = [
-                replace(w, apart=apart) if w.standing is Standing.PRICED else w
+                w._replace(apart=apart) if w.standing is Standing.PRICED else w
                 for w, apart in zip(weighed, _apart(steady, part * cost).tolist(), strict=True)
             ]
             after = self._whole(zip(rows, more, strict=True), mean.tolist(), TUNING.reserve_deviations)
