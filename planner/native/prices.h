@@ -133,8 +133,13 @@ class Prices {
             const std::int32_t* after = tables_.after.data() + level.gain_start;
             double* advantage = advantage_.data() + level.gain_start;
             const std::int32_t width = tables_.level[at + 1].gain_start - level.gain_start;
-            for (std::int32_t state = 0; state < width; ++state) {
-                advantage[state] = gain[state] + (worth[after[state]] - price_[at]) - worth[state];
+            if (tables_.markovian[level.stream]) {  // whatever was sent before, sending leads to one state
+                const double sent = worth[after[0]] - price_[at];
+                for (std::int32_t state = 0; state < width; ++state) advantage[state] = gain[state] + sent - worth[state];
+            } else {
+                for (std::int32_t state = 0; state < width; ++state) {
+                    advantage[state] = gain[state] + (worth[after[state]] - price_[at]) - worth[state];
+                }
             }
             for (std::int32_t state = 0; state < width; ++state) {
                 worth[state] = std::max(worth[state], worth[state] + advantage[state]);
