@@ -70,13 +70,8 @@ class Team:
         robots that planned for all instead used 8 to 23 % of 0.3 Mbit/s for minutes."""
         self.varied = False
         """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""
-
-    @property
-    def splits(self) -> bool:
+        self.splits = self.strict
         """Whether each robot has a part of every limit."""
-        if self.strict or (self.undecided and self.members):
-            return True
-        return self.rivals and (self.gave_up or (not self._stuck and (self.votes_to_split or bool(self._votes))))
 
     @property
     def agrees(self) -> bool:
@@ -112,6 +107,7 @@ class Team:
         """These robots take part, and we."""
         self.members = frozenset(members)
         self._votes &= self.members
+        self._conclude()
 
     def heard(self, digest: Digest, took: float) -> None:
         """A digest of a member came, which took so long [s]; an announcement holds no vote."""
@@ -122,6 +118,7 @@ class Team:
     def heard_vote(self, name: str, *, splits: bool) -> None:
         """A member finds that the team has to split, or does not."""
         (self._votes.add if splits else self._votes.discard)(name)
+        self._conclude()
 
     def news_take(self, waiting: float) -> float:
         """Return what digests take from or to any robot at most, took to us lately, or are `waiting` for now [s]."""
@@ -143,6 +140,7 @@ class Team:
         self._stuck = self.patience.is_over(now, news, pending=pending, agreed=pending and outdoes)
         dear = self.gave_up or costly or self._dear_since < math.inf
         self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))
+        self._conclude()
 
     def judge(
         self,
@@ -175,6 +173,7 @@ class Team:
         self.tight = self.rivals and share > TUNING.affordable
         if not self.rivals or math.isinf(window):
             self.votes_to_split = self.strict
+            self._conclude()
             return
         # Of very many that send at once each hears too late of the others, and it takes long until it knows all.
         overheard = {peer.robot for peer in self._others() if peer.overheard} if self.large else set()
@@ -187,6 +186,12 @@ class Team:
         self._dear_since = min(self._dear_since, now) if dear else math.inf
         lasting = 0.0 if self.even or view.members.speaking > TUNING.few_robots else TUNING.dear_time
         self.votes_to_split = self.strict or self._splits_seldom or late or many or now >= self._dear_since + lasting
+        self._conclude()
+
+    def _conclude(self) -> None:
+        """Work out whether the team splits: each event asks for that 20 times."""
+        voted = self.gave_up or (not self._stuck and (self.votes_to_split or bool(self._votes)))
+        self.splits = self.strict or (self.undecided and bool(self.members)) or (self.rivals and voted)
 
     def _equal_parts_do(self, competing: Collection[Stream], limits: tuple[Limit, ...]) -> bool:
         """Return whether several robots send several streams each, and nothing much larger than an equal part."""
