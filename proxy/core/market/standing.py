@@ -114,7 +114,7 @@ def row_of(
     return Row(
         stream,
         interval_of(until, stream, min([c.window for c in limits]), new=new),
-        audience.mean if audience.share > 0.0 else audience.latency,
+        audience.mean,
         stream.newest.scale * audience.share,
         use,
         tuple([m - u for m, u in zip(more, use, strict=True)]),

@@ -2,10 +2,8 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from planner import Receiver
 from proxy.core.model.settings import CoreSettings
@@ -127,39 +125,38 @@ def _with_nearest_joined(groups: list[Way]) -> list[Way]:
     return [*groups[:at], _joined(groups[at : at + 2]), *groups[at + 2 :]]
 
 
-@dataclass(frozen=True)
-class Audience:
-    """Those that gain by a stream: `size` [B] take `latency` [s] to the first, every byte more `per_byte` [s/B]."""
+class Audience(NamedTuple):
+    """Those that gain by a stream: `size` [B] take `latency` [s] to the first, every byte more `per_byte` [s/B].
+
+    `share` is how many receivers there are, each counted by the chance that a message gets there. It takes `mean` to
+    those whom it gets to, and to the last one `slowest` [s].
+    """
 
     size: int
     latency: float
     per_byte: float
     receivers: tuple[Receiver, ...]
+    share: float
+    mean: float
+    slowest: float
+
+    @classmethod
+    def of(cls, size: int, latency: float, per_byte: float, receivers: tuple[Receiver, ...]) -> Self:
+        """Sum up these receivers, of whom there is one."""
+        share, mean = sum([r.share for r in receivers]), latency
+        if share > 0.0:
+            mean += sum([r.delay * r.share for r in receivers]) / share
+        return cls(size, latency, per_byte, receivers, share, mean, latency + max([r.delay for r in receivers]))
 
     def latency_of(self, size: int) -> float:
         """The time that a message of so many bytes takes to the first of the receivers [s]."""
         return max(0.0, self.latency + self.per_byte * (size - self.size))
 
-    @cached_property
-    def share(self) -> float:
-        """How many receivers there are, each counted by the chance that a message gets there."""
-        return sum([r.share for r in self.receivers])
-
-    @cached_property
-    def mean(self) -> float:
-        """The mean time to those whom messages get to [s]."""
-        return self.latency + sum([r.delay * r.share for r in self.receivers]) / self.share
-
-    @cached_property
-    def slowest(self) -> float:
-        """The time to the last of the receivers [s]."""
-        return self.latency + max([r.delay for r in self.receivers])
-
 
 def audience_of(fan: Fan, gaining: tuple[str, ...], size: int, lost: float) -> Audience:
     """Return those that gain by messages of `size` [B] which go such ways; `lost` is the mean loss."""
     first, receivers = grouped(fan.ways(gaining, size, lost) or [Way(fan.mean.of(size))])
-    return Audience(size, first, fan.mean.per_byte, receivers)
+    return Audience.of(size, first, fan.mean.per_byte, receivers)
 
 
 class Audiences:

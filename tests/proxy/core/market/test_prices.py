@@ -2,7 +2,7 @@
 
 import pytest
 
-from planner import Aggregation, Throughput
+from planner import Aggregation, Receiver, Throughput
 from proxy.core.market.prices import Market
 from proxy.core.market.standing import Row, Standing, count_new, interval_of, reserve, row_of
 from proxy.core.market.tuning import TUNING
@@ -167,7 +167,7 @@ def test_what_others_do_not_tell_of_goes_on_as_it_did(make_row):
     """They tell of few streams at a time; of our own we know that they are silent."""
     stream = make_row("odometry", 20.0, 116, generated=6).stream
     stream.touch(0.25)
-    audience = Audience(116, 0.01, 0.0, ())
+    audience = Audience.of(116, 0.01, 0.0, (Receiver(),))
     intervals = [row_of(9.0, stream, audience, 1, (LIMIT,), own=own).interval for own in (False, True)]
     assert intervals == pytest.approx([0.05, 9.0 / 8])
 
