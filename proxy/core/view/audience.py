@@ -66,9 +66,11 @@ class Paths:
     def on_air(self, gaining: tuple[str, ...], size: float) -> float | None:
         """Return what samples of `size` [B] take beyond digests to those that gain by ours, by the median told [s]."""
         senders = self._members.peers
-        peers = [peer for name in gaining if (peer := senders.get(name)) is not None]
-        lines = [(peer, peer.outbound.latency) for peer in peers]
-        lines += [(peer, each.heard_by.get(peer.tag)) for peer in peers[: TUNING.told_by] for each in senders.values()]
+        peers = [(name, peer) for name in gaining if (peer := senders.get(name)) is not None]
+        lines = [(peer, peer.outbound.latency) for _, peer in peers]
+        lines += [
+            (peer, each.heard_by.get(name)) for name, peer in peers[: TUNING.told_by] for each in senders.values()
+        ]
         told = [max(0.0, line.of(size) - peer.offset.latency) for peer, line in lines if line is not None]
         return middle(told) if told else None
 
