@@ -96,8 +96,25 @@ class StateTracker {
 
     // The state once this level is decided.
     StateHash after(std::int32_t level, bool send) const {
-        StateHash hash = hash_;
+        StateHash hash = moved(level, send);
         hash.toggle(depth_[level]);
+        return hash;
+    }
+
+    void step(std::int32_t level, bool send) {
+        hash_ = moved(level, send);
+        const std::int32_t held = tables_.level[level + 1].held;
+        while (oldest_ < sends_.size() && sends_[oldest_] < held) ++oldest_;
+        if (!send) return;
+        const std::int32_t stream = tables_.level[level].stream;
+        known_[stream] = by_stream_ ? next_state(level) : level;
+        if (level >= held && counts(level)) sends_.push_back(level);
+    }
+
+  private:
+    // The state once this level is decided, of whatever depth.
+    StateHash moved(std::int32_t level, bool send) const {
+        StateHash hash = hash_;
         const std::int32_t held = tables_.level[level + 1].held;
         for (std::size_t at = oldest_; at < sends_.size() && sends_[at] < held; ++at) hash.toggle(in_window_[sends_[at]]);
         if (!send) return hash;
@@ -110,18 +127,6 @@ class StateTracker {
         return hash;
     }
 
-    void step(std::int32_t level, bool send) {
-        hash_ = after(level, send);
-        hash_.toggle(depth_[level]);
-        const std::int32_t held = tables_.level[level + 1].held;
-        while (oldest_ < sends_.size() && sends_[oldest_] < held) ++oldest_;
-        if (!send) return;
-        const std::int32_t stream = tables_.level[level].stream;
-        known_[stream] = by_stream_ ? next_state(level) : level;
-        if (level >= held && counts(level)) sends_.push_back(level);
-    }
-
-  private:
     std::int32_t next_state(std::int32_t level) const {
         return tables_.after[tables_.level[level].gain_start + known_[tables_.level[level].stream]];
     }
@@ -160,7 +165,7 @@ class StateTracker {
     std::vector<StateHash> in_state_;
 };
 
-// A bounded hash table from states to nodes; never allocates after construction. It begins small and doubles within
+// A bounded hash table from states to nodes; never allocates after construction. It begins small and grows within
 // its memory, so that a small search touches, and clears, little of it.
 class States {
   public:
@@ -206,11 +211,11 @@ class States {
         return slots_.get()[at];
     }
 
-    // Double, by way of the memory behind what the table may ever take.
+    // Take four times as much, by way of the memory behind what the table may ever take: to double it moves more.
     void grow() {
         Slot* const before = slots_.get() + most_;
         Slot* const end = std::copy_n(slots_.get(), mask_ + 1, before);
-        mask_ = 2 * mask_ + 1;
+        mask_ = std::min(most_, 4 * (mask_ + 1)) - 1;
         clear();
         for (const Slot* slot = before; slot != end; ++slot) {
             if (slot->node_plus_one == 0) continue;
