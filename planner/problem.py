@@ -75,8 +75,7 @@ class AggregationModel(Protocol):
         """Return what the messages of a state are worth until `t_end` [s], their scales included [utility·s]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Receiver:
+class Receiver(NamedTuple):
     """Somebody who wants the messages of a stream, or several alike.
 
     Each message arrives `delay` [s] after its `t_rcv`, and counts `share` times: how many they are × their weight ×
@@ -94,8 +93,7 @@ class Latest(NamedTuple):
     scale: float
 
 
-@dataclass(frozen=True, slots=True)
-class Stream:
+class Stream(NamedTuple):
     """The samples of one key from one robot. What nobody receives is worth nothing.
 
     With `current` every message of the problem counts as generated at its `t_gen`, sent or not. `newest` adds the

@@ -89,5 +89,5 @@ class Planning:
 
 def _may_last(problem: Problem) -> bool:
     """Whether an operator's own models take part."""
-    own = any(not isinstance(stream.aggregation, Aggregation) for stream in problem.streams)
-    return own or any(isinstance(message.utility, Custom) for message in problem.messages)
+    kinds = {type(stream.aggregation) for stream in problem.streams}
+    return not kinds <= {Aggregation} or Custom in {type(message.utility) for message in problem.messages}

@@ -97,7 +97,7 @@ class CentralDecider:
         streams = self.mission.streams
         if not self._newest:
             return streams
-        return tuple(replace(s, newest=self._newest.get(at, s.newest)) for at, s in enumerate(streams))
+        return tuple(s._replace(newest=self._newest.get(at, s.newest)) for at, s in enumerate(streams))
 
     def _with(self, index: int, ahead: tuple[Message, ...]) -> Problem:
         """Build the window of the message to decide and the next ones, up to the horizon."""

@@ -128,11 +128,20 @@ class Prices {
         std::fill(worth_.begin(), worth_.end(), 0.0);
         for (std::int32_t at = tables_.levels - 1; at >= 0; --at) {
             const Level& level = tables_.level[at];
-            double* worth = worth_.data() + tables_.state_start[level.stream];
-            const double* gain = tables_.gain.data() + level.gain_start;
+            double* __restrict worth = worth_.data() + tables_.state_start[level.stream];
+            const double* __restrict gain = tables_.gain.data() + level.gain_start;
             const std::int32_t* after = tables_.after.data() + level.gain_start;
-            double* advantage = advantage_.data() + level.gain_start;
+            double* __restrict advantage = advantage_.data() + level.gain_start;
             const std::int32_t width = tables_.level[at + 1].gain_start - level.gain_start;
+            if (tables_.markovian[level.stream]) {  // whatever was sent before, sending leads to one state
+                const double sent = worth[after[0]] - price_[at];
+                for (std::int32_t state = 0; state < width; ++state) {
+                    const double more = gain[state] + sent - worth[state];
+                    advantage[state] = more;
+                    worth[state] = std::max(worth[state], worth[state] + more);
+                }
+                continue;
+            }
             for (std::int32_t state = 0; state < width; ++state) {
                 advantage[state] = gain[state] + (worth[after[state]] - price_[at]) - worth[state];
             }

@@ -66,6 +66,7 @@ class Reader {
 
   private:
     static constexpr Py_ssize_t kFields = 8;      // of a message
+    static constexpr Py_ssize_t kStreamFields = 4;
     static constexpr std::int8_t kAggregations = 5;
     static constexpr Py_ssize_t kMost = 1 << 20;  // of anything: a window of more is a mistake
 
@@ -138,23 +139,20 @@ class Reader {
     }
 
     bool read_stream(PyObject* object, Window& window) {
-        if (!is(object, stream_)) return false;
-        const nanobind::handle stream(object);
+        if (!is(object, stream_) || PyTuple_GET_SIZE(object) != kStreamFields) return false;
+        const auto field = [object](Py_ssize_t at) { return PyTuple_GET_ITEM(object, at); };
         Stream read{0, Aggregation::most_recent, static_cast<std::int32_t>(window.receiver.size())};
-        if (!whole(stream.attr("robot").ptr(), read.robot)) return false;
-        const nanobind::object aggregation = stream.attr("aggregation");
+        if (!whole(field(0), read.robot)) return false;
         std::int8_t at = 0;
         for (const nanobind::handle known : aggregations_) {
-            if (known.ptr() == aggregation.ptr()) break;
+            if (known.ptr() == field(1)) break;
             ++at;
         }
         if (at >= kAggregations || static_cast<std::size_t>(at) == aggregations_.size()) return false;
         read.aggregation = static_cast<Aggregation>(at);
-        const nanobind::object newest = stream.attr("newest");
-        if (!newest.is_none() && !read_newest(newest.ptr(), read)) return false;
+        if (field(3) != Py_None && !read_newest(field(3), read)) return false;
         window.stream.push_back(read);
-        const nanobind::object receivers = stream.attr("receivers");
-        return all(receivers.ptr(), [&](PyObject* each) { return read_receiver(each, window); });
+        return all(field(2), [&](PyObject* each) { return read_receiver(each, window); });
     }
 
     static bool read_newest(PyObject* object, Stream& stream) {
@@ -165,10 +163,10 @@ class Reader {
     }
 
     bool read_receiver(PyObject* object, Window& window) const {
-        if (!is(object, receiver_)) return false;
+        if (!is(object, receiver_) || PyTuple_GET_SIZE(object) != 2) return false;
         Receiver receiver{};
-        if (!number(nanobind::handle(object), "delay", receiver.delay)) return false;
-        if (!number(nanobind::handle(object), "share", receiver.share)) return false;
+        if (!number(PyTuple_GET_ITEM(object, 0), receiver.delay)) return false;
+        if (!number(PyTuple_GET_ITEM(object, 1), receiver.share)) return false;
         window.receiver.push_back(receiver);
         return true;
     }

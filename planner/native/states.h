@@ -47,8 +47,7 @@ class StateTracker {
         : tables_(tables),
           held_(kind != NodeState::messages),
           by_stream_(kind == NodeState::streams_and_windows),
-          last_(tables.streams, -1),
-          state_(tables.streams, 0) {
+          known_(tables.streams, 0) {
         sends_.reserve(tables.levels);
         const auto levels = static_cast<std::uint64_t>(tables.levels) + 1;
         for (std::uint64_t at = 0; at < levels; ++at) {
@@ -65,36 +64,31 @@ class StateTracker {
 
     // Where the tracker stands, to come back to.
     struct Snapshot {
-        std::vector<std::int32_t> last;
-        std::vector<std::int32_t> state;
+        std::vector<std::int32_t> known;
         std::vector<std::int32_t> held;
         StateHash hash;
 
         void reserve(const Tables& tables) {
-            last.reserve(tables.streams);
-            state.reserve(tables.streams);
+            known.reserve(tables.streams);
             held.reserve(tables.levels);
         }
     };
 
     void save(Snapshot& snapshot) const {
-        snapshot.last = last_;
-        snapshot.state = state_;
+        snapshot.known = known_;
         snapshot.held.assign(sends_.begin() + static_cast<std::ptrdiff_t>(oldest_), sends_.end());
         snapshot.hash = hash_;
     }
 
     void load(const Snapshot& snapshot) {
-        last_ = snapshot.last;
-        state_ = snapshot.state;
+        known_ = snapshot.known;
         sends_ = snapshot.held;
         oldest_ = 0;
         hash_ = snapshot.hash;
     }
 
     void reset() {
-        std::fill(last_.begin(), last_.end(), -1);
-        std::fill(state_.begin(), state_.end(), 0);
+        std::fill(known_.begin(), known_.end(), by_stream_ ? 0 : -1);
         sends_.clear();
         oldest_ = 0;
         hash_ = {};
@@ -102,8 +96,25 @@ class StateTracker {
 
     // The state once this level is decided.
     StateHash after(std::int32_t level, bool send) const {
-        StateHash hash = hash_;
+        StateHash hash = moved(level, send);
         hash.toggle(depth_[level]);
+        return hash;
+    }
+
+    void step(std::int32_t level, bool send) {
+        hash_ = moved(level, send);
+        const std::int32_t held = tables_.level[level + 1].held;
+        while (oldest_ < sends_.size() && sends_[oldest_] < held) ++oldest_;
+        if (!send) return;
+        const std::int32_t stream = tables_.level[level].stream;
+        known_[stream] = by_stream_ ? next_state(level) : level;
+        if (level >= held && counts(level)) sends_.push_back(level);
+    }
+
+  private:
+    // The state once this level is decided, of whatever depth.
+    StateHash moved(std::int32_t level, bool send) const {
+        StateHash hash = hash_;
         const std::int32_t held = tables_.level[level + 1].held;
         for (std::size_t at = oldest_; at < sends_.size() && sends_[at] < held; ++at) hash.toggle(in_window_[sends_[at]]);
         if (!send) return hash;
@@ -116,32 +127,19 @@ class StateTracker {
         return hash;
     }
 
-    void step(std::int32_t level, bool send) {
-        hash_ = after(level, send);
-        hash_.toggle(depth_[level]);
-        const std::int32_t held = tables_.level[level + 1].held;
-        while (oldest_ < sends_.size() && sends_[oldest_] < held) ++oldest_;
-        if (!send) return;
-        const std::int32_t stream = tables_.level[level].stream;
-        last_[stream] = level;
-        state_[stream] = next_state(level);
-        if (level >= held && counts(level)) sends_.push_back(level);
-    }
-
-  private:
     std::int32_t next_state(std::int32_t level) const {
-        return tables_.after[tables_.level[level].gain_start + state_[tables_.level[level].stream]];
+        return tables_.after[tables_.level[level].gain_start + known_[tables_.level[level].stream]];
     }
 
     void toggle_state(StateHash& hash, std::int32_t level) const {
         const std::int32_t stream = tables_.level[level].stream;
-        hash.toggle(in_state_[tables_.state_start[stream] + state_[stream]]);
+        hash.toggle(in_state_[tables_.state_start[stream] + known_[stream]]);
         hash.toggle(in_state_[tables_.state_start[stream] + next_state(level)]);
     }
 
     void toggle_message(StateHash& hash, std::int32_t level) const {
         const std::int32_t stream = tables_.level[level].stream;
-        if (tables_.markovian[stream] && last_[stream] >= 0) hash.toggle(message_[last_[stream]]);
+        if (tables_.markovian[stream] && known_[stream] >= 0) hash.toggle(message_[known_[stream]]);
         hash.toggle(message_[level]);
     }
 
@@ -157,8 +155,7 @@ class StateTracker {
     const Tables& tables_;
     bool held_;       // whether what the windows hold is part of the state
     bool by_stream_;  // whether the states of the streams stand for their messages
-    std::vector<std::int32_t> last_;
-    std::vector<std::int32_t> state_;
+    std::vector<std::int32_t> known_;  // [stream]: its state, or else the level that it sent last, -1 for none
     std::vector<std::int32_t> sends_;  // those that some window may hold, from `oldest_` on
     std::size_t oldest_ = 0;
     StateHash hash_;
@@ -168,7 +165,7 @@ class StateTracker {
     std::vector<StateHash> in_state_;
 };
 
-// A bounded hash table from states to nodes; never allocates after construction. It begins small and doubles within
+// A bounded hash table from states to nodes; never allocates after construction. It begins small and grows within
 // its memory, so that a small search touches, and clears, little of it.
 class States {
   public:
@@ -214,11 +211,11 @@ class States {
         return slots_.get()[at];
     }
 
-    // Double, by way of the memory behind what the table may ever take.
+    // Take four times as much, by way of the memory behind what the table may ever take: to double it moves more.
     void grow() {
         Slot* const before = slots_.get() + most_;
         Slot* const end = std::copy_n(slots_.get(), mask_ + 1, before);
-        mask_ = 2 * mask_ + 1;
+        mask_ = std::min(most_, 4 * (mask_ + 1)) - 1;
         clear();
         for (const Slot* slot = before; slot != end; ++slot) {
             if (slot->node_plus_one == 0) continue;

@@ -18,18 +18,7 @@ namespace sendworthy {
 class Sweep {
   public:
     Sweep(const Tables& tables, Path& path, StateTracker& states, const Prices& prices)
-        : tables_(tables), path_(path), states_(states), prices_(prices), found_(4 * kWidth) {
-        for (auto* level : {&places_, &next_}) {
-            level->resize(2 * kWidth);
-            for (Place& place : *level) {
-                place.path.reserve(tables);
-                place.states.reserve(tables);
-            }
-        }
-        trail_.reserve(static_cast<std::size_t>(tables.levels) * 2 * kWidth);
-        order_.reserve(2 * kWidth);
-        sends_.reserve(tables.levels);
-    }
+        : tables_(tables), path_(path), states_(states), prices_(prices), found_(4 * kWidth) {}
     Sweep(const Sweep&) = delete;
     Sweep& operator=(const Sweep&) = delete;
 
@@ -46,6 +35,7 @@ class Sweep {
         found_.clear();
         next_count_ = 0;
         for (std::int32_t at = 0; at < count_; ++at) {
+            path_.load(places_[order_[at]].path, level_);  // and stays there when the message is dropped first
             for (const bool send : {false, true}) extend(places_[order_[at]], send, worth_trying);
         }
         rank();
@@ -83,7 +73,18 @@ class Sweep {
         std::int32_t send;  // the level, or -1 when it is dropped
     };
 
+    // Memory is for searches that come so far: most end before.
     void begin() {
+        for (auto* level : {&places_, &next_}) {
+            level->resize(2 * kWidth);
+            for (Place& place : *level) {
+                place.path.reserve(tables_);
+                place.states.reserve(tables_);
+            }
+        }
+        trail_.reserve(static_cast<std::size_t>(tables_.levels) * 2 * kWidth);
+        order_.reserve(2 * kWidth);
+        sends_.reserve(tables_.levels);
         path_.reset();
         states_.reset();
         Place& root = places_[0];
@@ -97,7 +98,6 @@ class Sweep {
 
     template <class WorthTrying>
     void extend(const Place& place, bool send, WorthTrying worth_trying) {
-        path_.load(place.path, level_);
         states_.load(place.states);
         if (send && !path_.fits(level_)) return;
         const double bound = place.bound - prices_.loss(level_, send);

@@ -66,4 +66,4 @@ def _at_random(problem: Problem, task: Task) -> Problem:
 
 def _summed(stream: Stream, every: int) -> Stream:
     """Let the messages of a stream add up, of every robot or of each second one."""
-    return replace(stream, aggregation=Aggregation.SUM) if stream.robot % every == 0 else stream
+    return stream._replace(aggregation=Aggregation.SUM) if stream.robot % every == 0 else stream

@@ -42,7 +42,7 @@ BAD_PROBLEMS = {
     "window must be > 0": dataclasses.replace(GOOD, constraints=(Constraint("c", 0.0, 1.0),)),
     "limit must be >= 0": dataclasses.replace(GOOD, constraints=(Constraint("c", 1.0, -1.0),)),
     '"c": limit': dataclasses.replace(GOOD, constraints=(Constraint("c", 1.0, math.nan),)),
-    "aggregation": dataclasses.replace(GOOD, streams=(dataclasses.replace(GOOD.streams[0], aggregation="sun"),) * 2),
+    "aggregation": dataclasses.replace(GOOD, streams=(GOOD.streams[0]._replace(aggregation="sun"),) * 2),
     "stream 7 is unknown": with_message(0, stream=7),
     "stream -1 is unknown": with_message(0, stream=-1),
     "times must be finite": with_message(LAST, t_rcv=math.nan),
@@ -131,7 +131,7 @@ class Failing:
 
 def test_a_utility_that_fails_at_the_age_0_is_named():
     """`current` asks for it before anything is tabulated."""
-    streams = tuple(dataclasses.replace(stream, aggregation=Aggregation.CURRENT) for stream in GOOD.streams)
+    streams = tuple(stream._replace(aggregation=Aggregation.CURRENT) for stream in GOOD.streams)
     messages = tuple(message._replace(utility=Failing()) for message in GOOD.messages)
     with pytest.raises(ProblemError, match=r"utility Failing\.value\(\) failed: ZeroDivisionError: 1 ages"):
         start(dataclasses.replace(GOOD, streams=streams, messages=messages), SearchSettings())

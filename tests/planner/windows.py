@@ -197,7 +197,7 @@ def _by_stream(problem: Problem, of: Callable[[int, frozenset[int]], float]) -> 
 
 def _of(problem: Problem, stream: int, chosen: frozenset[int], t_end: float) -> float:
     """U of one stream up to `t_end`."""
-    silent = tuple(s if at == stream else replace(s, receivers=()) for at, s in enumerate(problem.streams))
+    silent = tuple(s if at == stream else s._replace(receivers=()) for at, s in enumerate(problem.streams))
     return utility(replace(problem, streams=silent, t_end=t_end), chosen)
 
 

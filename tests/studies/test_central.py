@@ -88,7 +88,7 @@ def test_futures_share_what_is_known():
 def test_windows_know_the_newest_message_of_each_stream_of_current():
     """It may have been dropped, so that it is no fact."""
     flown = mission(MIXED, seed=0, seconds=10.0)
-    flown = replace(flown, streams=tuple(replace(s, aggregation=Aggregation.CURRENT) for s in flown.streams))
+    flown = replace(flown, streams=tuple(s._replace(aggregation=Aggregation.CURRENT) for s in flown.streams))
     decider = CentralDecider(flown, horizon=15)
     assert all(stream.newest is None for stream in decider.window(0).streams)
     window = decider.window(40)

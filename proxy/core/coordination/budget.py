@@ -147,7 +147,8 @@ class Budget:
 
         By a message with this use, else by one that is neither small nor larger than a limit.
         """
-        free = [self._room(now, k, amount) for k, amount in enumerate(use or self.stretch.ordinary(self.usable(now)))]
+        usable = self.usable(now)
+        free = [self._room(now, k, amount, usable) for k, amount in enumerate(use or self.stretch.ordinary(usable))]
         part = self.coordination.meanwhile.confined
         return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 
@@ -155,11 +156,12 @@ class Budget:
         """Name the constraints that leave no room for a message with this use now, or the `total` it goes with."""
         if now < self._mute_until and changes_plans(use, self.limits):
             return tuple(limit.name for limit in self.limits if limit.shared)
+        usable = self.usable(now)
         return tuple(
             [
                 limit.name
-                for k, (limit, message, amount) in enumerate(zip(self.limits, use, total or use, strict=True))
-                if not self._fits(now, k, message, amount)
+                for k, (limit, message, amount) in enumerate(zip(usable, use, total or use, strict=True))
+                if not self._fits(now, k, message, amount, usable)
             ]
         )
 
@@ -200,9 +202,10 @@ class Budget:
         longer = MARKET.closed
         if wanted is Room.IN_TURN and not self.alone:
             longer += self._handover.longest(len(coordination.team.members), self.limits)
-        if all(amount <= self._room(now, k, use[k], longer) for k, amount in enumerate(needed)):
+        usable = self.usable(now)
+        if all(amount <= self._room(now, k, use[k], usable, longer) for k, amount in enumerate(needed)):
             return -math.inf
-        others, usable = self.others(now), self.usable(now)
+        others = self.others(now)
         if wanted is Room.IN_TURN and others:
             others = self._handover.in_turn(others, now - self._memory, self.limits)
         limits = usable if self.turns else self.stretch.limits(now, usable, use, alone=self.alone)
@@ -259,9 +262,9 @@ class Budget:
             agreed=self.coordination.team.agrees,
         )
 
-    def _fits(self, now: float, k: int, message: float, amount: float) -> bool:
-        """Eq. 5; what is more than all that may be used has a stretched window for itself, or our turn."""
-        limit, whole = self.limits[k], self.whole(now, k)
+    def _fits(self, now: float, k: int, message: float, amount: float, usable: tuple[Limit, ...]) -> bool:
+        """Eq. 5; what is more than all that is usable has a stretched window for itself, or our turn."""
+        limit, whole = self.limits[k], usable[k].limit
         part = self.coordination.meanwhile.confined
         if part < 1.0 and amount > _confined(self, now, k, part):
             return False
@@ -271,7 +274,7 @@ class Budget:
         if self.coordination.equal.by_clock and turn.began > -math.inf:
             used = self.own.used(turn.began, k)
             return turn.began <= now and (used <= 0.0 or used + amount <= turn.slot * limit.limit)
-        if turn.began == -math.inf and amount <= self._room(now, k, message):
+        if turn.began == -math.inf and amount <= self._room(now, k, message, usable):
             return True
         if amount <= whole and turn.began == -math.inf:
             return False
@@ -280,13 +283,12 @@ class Budget:
         others = self._sent_by_others(now, since, words=False)
         return since <= now and self.own.used(since, k) <= 0.0 and all(use[k] <= 0.0 for t, use in others if t >= since)
 
-    def _room(self, now: float, k: int, message: float, longer: float = 0.0) -> float:
+    def _room(self, now: float, k: int, message: float, usable: tuple[Limit, ...], longer: float = 0.0) -> float:
         """Return what is left for a message in the window that ends now and began `longer` ago than it does [s].
 
         A little is left to small ones: beside a robot that claimed ten limits two sent 11 % of their odometry without
         that.
         """
-        usable = self.usable(now)
         limit, certain, alone = usable[k], self.coordination.certain, self.alone
         if self.turns:
             return limit.limit - self.own.used(now - limit.window - longer, k)

@@ -20,7 +20,7 @@ from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts,
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
 from proxy.core.coordination.patience import Departed
-from proxy.core.coordination.team import Team, words_take, words_take_long
+from proxy.core.coordination.team import Asking, Team, words_take, words_take_long
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
@@ -169,7 +169,7 @@ class Coordination:
         now: float,
         limits: tuple[Limit, ...],
         waiting: float,
-        announcing: Callable[[float], float],
+        announcing: Callable[[Sequence[Asking]], float],
         using: Callable[[float], float],
         *,
         passes_at: Callable[[float], float],
@@ -209,7 +209,7 @@ class Coordination:
         now: float,
         limits: tuple[Limit, ...],
         waiting: float,
-        announcing: Callable[[float], float],
+        announcing: Callable[[Sequence[Asking]], float],
         using: Callable[[float], float],
     ) -> None:
         """See whether the team has to split, and what each may use where nobody agrees on parts."""

@@ -102,9 +102,9 @@ class Stretch:
     def _now(self, now: float, k: int, limits: tuple[Limit, ...], longest: float, *, alone: bool) -> float:
         """Return the length of window `k` now for a message that needs one so long [windows]."""
         limit = limits[k]
+        fitting = self._fitting(k, limit)
         for t, use in self._bulky(now - TUNING.stretched_windows * limit.window, limits, alone=alone):
-            windows = self._windows(k, limit, use[k])
-            if t + windows * limit.window > now:
+            if use[k] > fitting and t + (windows := self._windows(k, limit, use[k])) * limit.window > now:
                 longest = max(longest, windows)
         return longest
 
@@ -119,10 +119,13 @@ class Stretch:
 
     def _windows(self, k: int, limit: Limit, message: float) -> float:
         """Return how many windows a message takes."""
-        left = self._left(k, limit)
-        if message <= (left if self._stretches(k) else limit.limit):
+        if message <= self._fitting(k, limit):
             return 1.0
-        return min(message / left, TUNING.stretched_windows)
+        return min(message / self._left(k, limit), TUNING.stretched_windows)
+
+    def _fitting(self, k: int, limit: Limit) -> float:
+        """Return what the largest messages use that take one window."""
+        return self._left(k, limit) if self._stretches(k) else limit.limit
 
     def _left(self, k: int, limit: Limit) -> float:
         """Return what is left of a limit beside what is booked."""

@@ -2,7 +2,8 @@
 
 import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
@@ -16,6 +17,14 @@ from proxy.core.split.split import outdoes_equal
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
+
+
+class Asking(NamedTuple):
+    """A stream whose messages may be sent: what one uses in all its copies, and the mean time between two [s]."""
+
+    stream: Stream
+    use: tuple[float, ...]
+    interval: float
 
 
 class Team:
@@ -61,13 +70,8 @@ class Team:
         robots that planned for all instead used 8 to 23 % of 0.3 Mbit/s for minutes."""
         self.varied = False
         """Whether all that takes much of a limit is of sizes that vary: what is left of it is used, however little."""
-
-    @property
-    def splits(self) -> bool:
+        self.splits = self.strict
         """Whether each robot has a part of every limit."""
-        if self.strict or (self.undecided and self.members):
-            return True
-        return self.rivals and (self.gave_up or (not self._stuck and (self.votes_to_split or bool(self._votes))))
 
     @property
     def agrees(self) -> bool:
@@ -103,6 +107,7 @@ class Team:
         """These robots take part, and we."""
         self.members = frozenset(members)
         self._votes &= self.members
+        self._conclude()
 
     def heard(self, digest: Digest, took: float) -> None:
         """A digest of a member came, which took so long [s]; an announcement holds no vote."""
@@ -113,6 +118,7 @@ class Team:
     def heard_vote(self, name: str, *, splits: bool) -> None:
         """A member finds that the team has to split, or does not."""
         (self._votes.add if splits else self._votes.discard)(name)
+        self._conclude()
 
     def news_take(self, waiting: float) -> float:
         """Return what digests take from or to any robot at most, took to us lately, or are `waiting` for now [s]."""
@@ -134,13 +140,14 @@ class Team:
         self._stuck = self.patience.is_over(now, news, pending=pending, agreed=pending and outdoes)
         dear = self.gave_up or costly or self._dear_since < math.inf
         self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))
+        self._conclude()
 
     def judge(
         self,
         now: float,
         limits: tuple[Limit, ...],
         waiting: float,
-        announcing: Callable[[float], float],
+        announcing: Callable[[Sequence[Asking]], float],
         *,
         asked: bool,
         heeded: bool = True,
@@ -150,8 +157,8 @@ class Team:
         competing = view.contention.all(now)
         sending = {stream.robot for stream in competing} | _unheard(view)
         self.sharers = self.members if self.large else self._find_senders()
-        sent = sendable(now, competing, limits, view.subscribers.copies)
-        share, taken = announcing(now), _parts_taken(now, view, sent, limits, robots=self.sharing)
+        sent = sendable(now, view, competing, limits)
+        share, taken = announcing(sent), _parts_taken(sent, self.sharing, limits)
         dear = share > still * _affordable(taken)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
@@ -166,6 +173,7 @@ class Team:
         self.tight = self.rivals and share > TUNING.affordable
         if not self.rivals or math.isinf(window):
             self.votes_to_split = self.strict
+            self._conclude()
             return
         # Of very many that send at once each hears too late of the others, and it takes long until it knows all.
         overheard = {peer.robot for peer in self._others() if peer.overheard} if self.large else set()
@@ -178,6 +186,12 @@ class Team:
         self._dear_since = min(self._dear_since, now) if dear else math.inf
         lasting = 0.0 if self.even or view.members.speaking > TUNING.few_robots else TUNING.dear_time
         self.votes_to_split = self.strict or self._splits_seldom or late or many or now >= self._dear_since + lasting
+        self._conclude()
+
+    def _conclude(self) -> None:
+        """Work out whether the team splits: each event asks for that 20 times."""
+        voted = self.gave_up or (not self._stuck and (self.votes_to_split or bool(self._votes)))
+        self.splits = self.strict or (self.undecided and bool(self.members)) or (self.rivals and voted)
 
     def _equal_parts_do(self, competing: Collection[Stream], limits: tuple[Limit, ...]) -> bool:
         """Return whether several robots send several streams each, and nothing much larger than an equal part."""
@@ -224,10 +238,10 @@ class Team:
             self.seldom = self._splits_seldom = False
             return
         period = max(stream.schedule.period for stream in own)
-        rhythms = [(s.schedule.kind, s.schedule.period, use) for s, use in uses]
+        large = [(s.schedule.kind, s.schedule.period, use) for s, use in uses]
         told = [each for peer in self._view.peers.values() for each in peer.told.values()]
-        rhythms += [(each.schedule, each.period or period, use_of(each.size, 1, limits)) for each in told]
-        large = [each for each in rhythms if changes_plans(each[2], limits)]
+        rhythms = [(each.schedule, each.period or period, use_of(each.size, 1, limits)) for each in told]
+        large += [each for each in rhythms if changes_plans(each[2], limits)]
         asked = [sum(use[k] * c.window / period for _, period, use in large) / c.limit for k, c in enumerate(limits)]
         least = TUNING.seldom_period * shortest_window(limits)
         self.seldom = max(asked, default=0.0) > 1.0 and all(
@@ -257,34 +271,30 @@ def _may_announce(view: SharedView, robots: int, limits: tuple[Limit, ...]) -> b
     return not any(exceeds(TUNING.announced_part, use, (limit,)) for use, limit in words)
 
 
-def _parts_taken(
-    now: float, view: SharedView, streams: Collection[Stream], limits: tuple[Limit, ...], *, robots: int
-) -> float:
+def _parts_taken(sending: Iterable[Asking], robots: int, limits: tuple[Limit, ...]) -> float:
     """Return how many equal parts of so many robots a message takes, in the mean over what streams ask for."""
-    taken, asked, window = 0.0, 0.0, shortest_window(limits)
-    for stream in streams:
+    taken, asked = 0.0, 0.0
+    for stream, _, interval in sending:
         use = use_of(round(stream.sizes.mean), 1, limits)
         part = max([u / c.limit for u, c in zip(use, limits, strict=True) if c.shared], default=0.0)
-        asks = part / interval_of(known_until(now, view, stream), stream, window)
+        asks = part / interval
         taken, asked = taken + asks * part * robots, asked + asks
     return taken / asked if asked else 0.0
 
 
-def sendable(
-    now: float, streams: Collection[Stream], limits: tuple[Limit, ...], copies: Callable[[Stream], int]
-) -> list[Stream]:
-    """Return the streams whose messages fit into every limit, in so many `copies`, or were sent lately all the same.
+def sendable(now: float, view: SharedView, streams: Collection[Stream], limits: tuple[Limit, ...]) -> list[Asking]:
+    """Return the streams whose messages, in all copies, fit into every limit, or were sent lately all the same.
 
     What is never sent is never announced: four robots with odometry on 50 kbit/s, whose frames are larger than it lets
     pass at all, took announcing for cheap, waited for it, and used a quarter of the limit.
     """
-    since = now - TUNING.stretched_windows * shortest_window(limits)
-    return [
-        s
-        for s in streams
-        if (s.sent is not None and s.sent.t_sent >= since)
-        or not exceeds(1.0, use_of(round(s.sizes.mean), copies(s), limits), limits)
-    ]
+    found, window = list[Asking](), shortest_window(limits)
+    since = now - TUNING.stretched_windows * window
+    for stream in streams:
+        use = use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits)
+        if (stream.sent is not None and stream.sent.t_sent >= since) or not exceeds(1.0, use, limits):
+            found.append(Asking(stream, use, interval_of(known_until(now, view, stream), stream, window)))
+    return found
 
 
 def _affordable(taken: float) -> float:

@@ -39,33 +39,55 @@ class Pattern(ABC):
     def expect(self, span: Span) -> list[float]:
         """Return when samples are expected, in order."""
 
+    def ahead(self, span: Span, at_last: float) -> list[float]:
+        """Return the same; where that is never the first time until `at_last` [s], if there is one."""
+        return self.expect(span) or self.expect(Span(span.now, span.after, at_last, 1))
 
-class Periodic(Pattern):
+
+class Even(Pattern):
+    """One sample every period."""
+
+    @abstractmethod
+    def first(self, span: Span) -> float:
+        """Return the first time after that of a span [s]."""
+
+    def expect(self, span: Span) -> list[float]:
+        """Return the times one period apart."""
+        return evenly(self.first(span), self.period, span.until, span.most)
+
+    def ahead(self, span: Span, at_last: float) -> list[float]:
+        """Return the same, and look for the first one only once: a window asks this of each of 60 streams."""
+        first = self.first(span)
+        if first > span.until:
+            return [first] if first <= at_last else []
+        return evenly(first, self.period, span.until, span.most)
+
+
+class Periodic(Even):
     """One sample every period; `rhythm.number` is the last one seen."""
 
     def __init__(self, rhythm: Rhythm) -> None:
         super().__init__("periodic", rhythm.period, rhythm.jitter, rhythm.period)
         self.rhythm = rhythm
 
-    def expect(self, span: Span) -> list[float]:
-        """Return the times due from the next number on; what is late is not expected any more."""
+    def first(self, span: Span) -> float:
+        """Return when the next number is due; what is late is not expected any more."""
         rhythm = self.rhythm
         number = max(1, floor((span.after - rhythm.origin) / rhythm.period) + 1)
         # Where the quotient was rounded down. No loop: it would not end where times cannot tell the periods apart.
         number += rhythm.origin + number * rhythm.period <= span.after
-        return evenly(rhythm.origin + number * rhythm.period, rhythm.period, span.until, span.most)
+        return rhythm.origin + number * rhythm.period
 
 
-class Memoryless(Pattern):
+class Memoryless(Even):
     """Samples at random moments: how long none has come says nothing about the next."""
 
     def __init__(self, interval: float) -> None:
         super().__init__(MEMORYLESS, interval, interval, interval)
 
-    def expect(self, span: Span) -> list[float]:
-        """Return the mean times of the samples to come, from now on."""
-        first = max(span.now, span.after) + self.period
-        return evenly(first, self.period, span.until, span.most)
+    def first(self, span: Span) -> float:
+        """Return the mean time of the next sample, from now on."""
+        return max(span.now, span.after) + self.period
 
 
 def evenly(first: float, step: float, until: float, most: int) -> list[float]:

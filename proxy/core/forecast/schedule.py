@@ -17,6 +17,12 @@ class Schedule:
     def __init__(self) -> None:
         self.timeout = TUNING.lone_timeout
         """The stream is over when it is silent for longer than this [s]."""
+        self.period = 0.0
+        """Mean time between samples [s]; 0.0 while fewer than two generation times are known."""
+        self.jitter = 0.0
+        """Standard deviation of a generation time from what is expected [s]; 0.0 while not known."""
+        self.kind = ""
+        """How the stream generates, in a word for other robots; empty while not known."""
         self._history = History()
         self._tracker = Tracker()
         self._recognition = Recognition()
@@ -26,24 +32,9 @@ class Schedule:
         self._reported = False
         """Whether its robot reported the rhythm of the last sample."""
 
-    @property
-    def period(self) -> float:
-        """Mean time between samples [s]; 0.0 while fewer than two generation times are known."""
-        return 0.0 if self._pattern is None else self._pattern.period
-
-    @property
-    def jitter(self) -> float:
-        """Standard deviation of a generation time from what is expected [s]; 0.0 while not known."""
-        return 0.0 if self._pattern is None else self._pattern.jitter
-
     def uncertainty(self, t: float) -> float:
         """Standard deviation of a generation time at about `t` from what is expected [s]; 0.0 while not known."""
         return self.jitter if self.rhythm is None else self.rhythm.uncertainty(t)
-
-    @property
-    def kind(self) -> str:
-        """How the stream generates, in a word for other robots; empty while not known."""
-        return "" if self._pattern is None else self._pattern.kind
 
     @property
     def rhythm(self) -> Rhythm | None:
@@ -101,6 +92,12 @@ class Schedule:
             return []
         return self._pattern.expect(Span(after if now is None else now, after, until, most))
 
+    def ahead(self, now: float, after: float, until: float, most: int, at_last: float) -> list[float]:
+        """Return the same as things are now; where that is never the first one until `at_last` [s], if any."""
+        if self._pattern is None or until <= after:
+            return self.forecast(after, at_last, 1, now)
+        return self._pattern.ahead(Span(now, after, until, most), at_last)
+
     def prospect(self) -> tuple[float, float, float]:
         """Return when the last sample came (else -∞), the timeout, and about when the next one comes (else ∞) [s]."""
         last = self._history.newest[1]
@@ -141,9 +138,10 @@ class Schedule:
         if not self._history.past:
             return
         rhythm = self._tracker.rhythm
-        if rhythm is not None and self._reported:
-            self._pattern = Periodic(rhythm)
-        else:
-            self._pattern = self._recognition.pattern(self._history, rhythm)
-        silent = max(self._silence, TUNING.timeout_periods * self.period)
-        self.timeout = silent if self._pattern else TUNING.lone_timeout
+        told = Periodic(rhythm) if rhythm is not None and self._reported else None
+        self._pattern = pattern = told or self._recognition.pattern(self._history, rhythm)
+        if pattern is None:
+            self.period, self.jitter, self.kind, self.timeout = 0.0, 0.0, "", TUNING.lone_timeout
+            return
+        self.period, self.jitter, self.kind = pattern.period, pattern.jitter, pattern.kind
+        self.timeout = max(self._silence, TUNING.timeout_periods * self.period)

@@ -1,12 +1,13 @@
 """Which sends of ours the others have to hear of at once, and what that takes of the allowance."""
 
+from collections.abc import Iterable
+
 from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.coordination import Coordination
-from proxy.core.coordination.team import sendable
+from proxy.core.coordination.team import Asking
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
 from proxy.core.gossip.tuning import TUNING
-from proxy.core.market.standing import interval_of, known_until
 from proxy.core.model.limits import changes_plans, shortest_window, use_of
 from proxy.core.model.settings import is_broadcast
 from proxy.core.view.stream import Stream
@@ -59,20 +60,18 @@ class Announcements:
         """Whether the samples of a stream change what others plan."""
         return self.changes_plans(0 if stream.sent is None else stream.sent.size, self._view.subscribers.copies(stream))
 
-    def share(self, now: float) -> float:
-        """Return what part of the allowance it takes to announce all that the limits let the team send."""
+    def share(self, sending: Iterable[Asking]) -> float:
+        """Return what part of the allowance it takes to announce all that the limits let these streams send."""
         if self.overheard:
             return 0.0
         limits, rate = self._limits.limits, 0.0
-        window, copies = shortest_window(limits), self._view.subscribers.copies
         load = [0.0] * len(limits)
-        for stream in sendable(now, self._view.contention.all(now), limits, copies):
-            use = use_of(round(stream.sizes.mean), copies(stream), limits)
+        for _, use, interval in sending:
             if changes_plans(use, limits):
-                often = 1.0 / interval_of(known_until(now, self._view, stream), stream, window)
+                often = 1.0 / interval
                 rate += often
                 load = [before + often * each for before, each in zip(load, use, strict=True)]
         fits = [c.limit / c.window / each for c, each in zip(limits, load, strict=True) if c.shared and each > 0.0]
         # Of a large team little is known for long; but that it sends some messages in each window.
-        most = max(min([1.0, *fits]) * rate, TUNING.fewest_sends / window)
+        most = max(min([1.0, *fits]) * rate, TUNING.fewest_sends / shortest_window(limits))
         return most * (TUNING.announcement + TUNING.overhead) * self._account.digest_copies / self._budget.rate

@@ -8,7 +8,7 @@ small streams under 2 Mbit/s one decider reached 99 % of the bound so at 0.4 ms 
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -106,7 +106,7 @@ class Market:
         if often <= 1.0:
             return weighed
         return [
-            replace(w, standing=Standing.PRICED, apart=math.ceil(often) * w.interval) if at in idle else w
+            w._replace(standing=Standing.PRICED, apart=math.ceil(often) * w.interval) if at in idle else w
             for at, w in enumerate(weighed)
         ]
 
@@ -125,7 +125,7 @@ class Market:
         cost = np.array([w.cost for w in weighed])
         for part in TUNING.cheaper:
             more = [
-                replace(w, apart=apart) if w.standing is Standing.PRICED else w
+                w._replace(apart=apart) if w.standing is Standing.PRICED else w
                 for w, apart in zip(weighed, _apart(steady, part * cost).tolist(), strict=True)
             ]
             after = self._whole(zip(rows, more, strict=True), mean.tolist(), TUNING.reserve_deviations)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
@@ -26,8 +25,7 @@ class Standing(Enum):
     HOPELESS = "hopeless"
 
 
-@dataclass(frozen=True, slots=True)
-class Weighed:
+class Weighed(NamedTuple):
     """How a stream stands whose samples are worth `scale`: it comes every `interval`, should be sent every `apart` [s].
 
     A sample's room costs so much; it earns `least` where all are sent, `most` where hardly any is [utility·s]. Each
@@ -125,12 +123,13 @@ def row_of(
     It is known `until` then what it generated [s].
     """
     size = round(stream.sizes.mean)
-    use = use_of(size, copies, limits, own=own)
-    more = use_of(size + round(stream.sizes.deviation), copies, limits, own=own)
+    use = more = use_of(size, copies, limits, own=own)
+    if spread := round(stream.sizes.deviation):
+        more = use_of(size + spread, copies, limits, own=own)
     return Row(
         stream,
         interval_of(until, stream, min([c.window for c in limits]), new=new),
-        audience.mean if audience.share > 0.0 else audience.latency,
+        audience.mean,
         stream.newest.scale * audience.share,
         use,
         tuple([m - u for m, u in zip(more, use, strict=True)]),
@@ -153,7 +152,8 @@ def reserve(
         for row, interval in zip(rows, apart, strict=True):
             count = limit.window / interval
             mean += count * row.use[k]
-            variance += variance_of(row.stream, count, row.use[k], row.deviation[k])
+            if deviations > 0.0:
+                variance += variance_of(row.stream, count, row.use[k], row.deviation[k])
         booked.append(mean + deviations * math.sqrt(variance))
     return tuple(booked)
 

@@ -47,9 +47,10 @@ class Undersubscribed:
         if now < self.looks_at and self._for == (limits, alone):
             return
         view, self._for = self._view, (limits, alone)
-        self._needs, self._new, self._total = {}, set(), (0.0,) * len(limits)
-        for stream in view.contention.all(now, view.settings.robot if alone else None):
-            self.note(now, stream)
+        competing = view.contention.all(now, view.settings.robot if alone else None)
+        self._needs = {stream.place: need(view, stream, limits, now) for stream in competing}
+        self._new = {stream.place for stream in competing if stream.generated < TUNING.rate_samples}
+        self._total = tuple(map(sum, zip(*self._needs.values(), strict=True))) or (0.0,) * len(limits)
         self.looks_at = now + max(TUNING.interval, TUNING.interval_each * len(self._needs))
 
     def note(self, now: float, stream: Stream) -> None:

@@ -18,14 +18,13 @@ from proxy.core.window.window import Window, WindowBuilder, WindowSize
 
 @dataclass(frozen=True, slots=True)
 class Pending:
-    """The sample, or `copy`, being decided since `asked` [s], beside `held` messages, of which some may be left out."""
+    """The sample, or `copy`, being decided since `asked` [s]; messages may have been left out of its window."""
 
     ticket: int
     sample: Waiting
     window: Window
     iterations: int
     asked: float
-    held: int = 0
     thinned: bool = False
     copy: Copy | None = None
 
@@ -36,7 +35,7 @@ class Pending:
 
     def searched(self, plan: Plan, *, cut: bool) -> Searched:
         """Return what is kept of this decision and its plan."""
-        problem, full, candidates = self.window
+        problem, _, full, candidates = self.window
         return Searched.of(plan, problem, candidates, full, self.iterations, cut=cut)
 
 
@@ -63,13 +62,12 @@ class Search:
     def start(self, now: float, sample: Waiting, inbox: Inbox, ticket: int, copy: Copy | None = None) -> Command:
         """Have a sample decided, or the copy of one, while others wait in the inbox."""
         window = self._windows.build(now, sample, inbox, self._budget.problem_limits(now), self._size.messages)
-        held = sum(not message.sent for message in window.problem.messages) - 1
         thinned = self._size.messages < window.full
         if thinned:
-            self._decisions.thin(held, window.full)
+            self._decisions.thin(window.held, window.full)
         fewer = self._iterations // (1 + len(inbox) // TUNING.samples_per_halving)
         iterations = min(max(TUNING.fewest_iterations, fewer), self._iterations)
-        self.pending = Pending(ticket, sample, window, iterations, now, held, thinned, copy)
+        self.pending = Pending(ticket, sample, window, iterations, now, thinned, copy)
         return self.pending.decide
 
     def answered(self, ticket: int, overhead: float) -> Pending | None:
@@ -78,7 +76,7 @@ class Search:
         if pending is None or pending.ticket != ticket:
             return None
         self.pending = None
-        self._size.note(pending.held, overhead, thinned=pending.thinned)
+        self._size.note(pending.window.held, overhead, thinned=pending.thinned)
         return pending
 
     def deciding(self) -> list[Waiting]:

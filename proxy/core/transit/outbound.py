@@ -37,8 +37,8 @@ class Loss:
         """How many samples were sent in the recent past, and how many of these got lost."""
         if len(self._read) < 2:
             return 0, 0
-        sent, received = (last - first for first, last in zip(self._read[0], self._read[-1], strict=True))
-        return sent, max(0, sent - received)
+        (sent, received), (sent_last, received_last) = self._read[0], self._read[-1]
+        return sent_last - sent, max(0, sent_last - sent - (received_last - received))
 
     @property
     def share(self) -> float | None:

@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from planner import Receiver
 from proxy.core.model.settings import CoreSettings
@@ -67,9 +66,11 @@ class Paths:
     def on_air(self, gaining: tuple[str, ...], size: float) -> float | None:
         """Return what samples of `size` [B] take beyond digests to those that gain by ours, by the median told [s]."""
         senders = self._members.peers
-        peers = [peer for name in gaining if (peer := senders.get(name)) is not None]
-        lines = [(peer, peer.outbound.latency) for peer in peers]
-        lines += [(peer, each.heard_by.get(peer.tag)) for peer in peers[: TUNING.told_by] for each in senders.values()]
+        peers = [(name, peer) for name in gaining if (peer := senders.get(name)) is not None]
+        lines = [(peer, peer.outbound.latency) for _, peer in peers]
+        lines += [
+            (peer, each.heard_by.get(name)) for name, peer in peers[: TUNING.told_by] for each in senders.values()
+        ]
         told = [max(0.0, line.of(size) - peer.offset.latency) for peer, line in lines if line is not None]
         return middle(told) if told else None
 
@@ -126,39 +127,38 @@ def _with_nearest_joined(groups: list[Way]) -> list[Way]:
     return [*groups[:at], _joined(groups[at : at + 2]), *groups[at + 2 :]]
 
 
-@dataclass(frozen=True, slots=True)
-class Audience:
-    """Those that gain by a stream: `size` [B] take `latency` [s] to the first, every byte more `per_byte` [s/B]."""
+class Audience(NamedTuple):
+    """Those that gain by a stream: `size` [B] take `latency` [s] to the first, every byte more `per_byte` [s/B].
+
+    `share` is how many receivers there are, each counted by the chance that a message gets there. It takes `mean` to
+    those whom it gets to, and to the last one `slowest` [s].
+    """
 
     size: int
     latency: float
     per_byte: float
     receivers: tuple[Receiver, ...]
+    share: float
+    mean: float
+    slowest: float
+
+    @classmethod
+    def of(cls, size: int, latency: float, per_byte: float, receivers: tuple[Receiver, ...]) -> Self:
+        """Sum up these receivers, of whom there is one."""
+        share, mean = sum([r.share for r in receivers]), latency
+        if share > 0.0:
+            mean += sum([r.delay * r.share for r in receivers]) / share
+        return cls(size, latency, per_byte, receivers, share, mean, latency + max([r.delay for r in receivers]))
 
     def latency_of(self, size: int) -> float:
         """The time that a message of so many bytes takes to the first of the receivers [s]."""
         return max(0.0, self.latency + self.per_byte * (size - self.size))
 
-    @property
-    def share(self) -> float:
-        """How many receivers there are, each counted by the chance that a message gets there."""
-        return sum([r.share for r in self.receivers])
-
-    @property
-    def mean(self) -> float:
-        """The mean time to those whom messages get to [s]."""
-        return self.latency + sum([r.delay * r.share for r in self.receivers]) / self.share
-
-    @property
-    def slowest(self) -> float:
-        """The time to the last of the receivers [s]."""
-        return self.latency + max([r.delay for r in self.receivers])
-
 
 def audience_of(fan: Fan, gaining: tuple[str, ...], size: int, lost: float) -> Audience:
     """Return those that gain by messages of `size` [B] which go such ways; `lost` is the mean loss."""
     first, receivers = grouped(fan.ways(gaining, size, lost) or [Way(fan.mean.of(size))])
-    return Audience(size, first, fan.mean.per_byte, receivers)
+    return Audience.of(size, first, fan.mean.per_byte, receivers)
 
 
 class Audiences:

@@ -130,8 +130,7 @@ def forecast(
             ours = ours or claim(now, deciding)
             decided = claim(now, c.stream) < ours
         after = now if decided else _unheard_since(now, view, c, limits, longest)
-        times = c.stream.schedule.forecast(after, end, TUNING.forecasts_of_a_stream, now)
-        c.expect(times or c.stream.schedule.forecast(after, until, 1, now))
+        c.expect(c.stream.schedule.ahead(now, after, end, TUNING.forecasts_of_a_stream, until))
     if not limits.alone:
         _choose(candidates, limits.union)
 
@@ -173,23 +172,29 @@ def _choose(candidates: list[Candidate], limits: tuple[Limit, ...]) -> None:
 
     Not within a part of ours, with seldom another one to choose: thirty robots reached 92 % of central, not 96.
     """
+    varied = [c for c in candidates if _is_varied(c.stream)]
+    if not varied:
+        return
     uses = [use_of(round(c.stream.sizes.mean), c.copies, limits, own=c.own) for c in candidates]
     rates = [1.0 / max(c.stream.schedule.period, VIEW.least_period) for c in candidates]
     offers = [[rate * u for u in use] for rate, use in zip(rates, uses, strict=True)]
     if _sent_part(offers, limits) >= 1.0:
         return
     worths = [c.worth for c in candidates]
-    for c, use, worth in zip(candidates, uses, worths, strict=True):
-        stream = c.stream
-        bulky = any(u > TUNING.bulky * limit.limit for u, limit in zip(use, limits, strict=True))
-        varied = stream.sizes.deviation > TUNING.varied * stream.sizes.mean and stream.schedule.kind != MEMORYLESS
-        if not bulky or not varied or guaranteed(stream):
+    for c in varied:
+        if not any(u > TUNING.bulky * limit.limit for u, limit in zip(uses[c.place], limits, strict=True)):
             continue
-        least = TUNING.rival_worth * worth
+        least = TUNING.rival_worth * worths[c.place]
         part = _sent_part([offer for offer, other in zip(offers, worths, strict=True) if other >= least], limits)
         if part < 1.0:
             chosen = [t for i, t in enumerate(c.times) if int((i + 1) * part) > int(i * part)]
-            c.expect(chosen or c.times[-1:], stream.sizes.smallest(part))
+            c.expect(chosen or c.times[-1:], c.stream.sizes.smallest(part))
+
+
+def _is_varied(stream: Stream) -> bool:
+    """Whether smaller samples of a stream may be waited for: its sizes vary, and it is known when it generates."""
+    varied = stream.sizes.deviation > TUNING.varied * stream.sizes.mean and stream.schedule.kind != MEMORYLESS
+    return varied and not guaranteed(stream)
 
 
 def _sent_part(offers: Sequence[Sequence[float]], limits: tuple[Limit, ...]) -> float:

@@ -1,7 +1,7 @@
 """The problem of one decision, for the planner: its messages to decide, its facts, and the traffic beside them."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from functools import partial
 from itertools import islice
 from operator import attrgetter, itemgetter
@@ -11,40 +11,52 @@ from planner import Aggregation, Latest, Message, MessageUtility, Problem, Traff
 from planner import Stream as PlannerStream
 from proxy.core.model.limits import Limits, longest_window, use_of
 from proxy.core.model.waiting import Waiting
-from proxy.core.view.stream import Sent
+from proxy.core.view.stream import Generated, Sent
 from proxy.core.window.forecast import Candidate
 from proxy.core.window.tuning import TUNING
 
 
 class OpenMessage(NamedTuple):
-    """A message to decide."""
+    """A message to decide: sent no sooner than `earliest`, it takes `latency` to the first who gains by it [s]."""
 
     t_gen: float
     place: int
-    of: Candidate
-    size: int
+    earliest: float
+    latency: float
+    utility: MessageUtility
     scale: float
-    features: Mapping[str, float]
+    use: tuple[float, ...]
     current: bool = False
 
+
+_Carried = tuple[float, float, MessageUtility, float, tuple[float, ...]]
+"""Of an open message all from `earliest` to `use`: most of a stream have the same."""
 
 _opened: Callable[[tuple[Any, ...]], OpenMessage] = partial(tuple.__new__, OpenMessage)
 _message: Callable[[tuple[Any, ...]], Message] = partial(tuple.__new__, Message)
 """Make one of all its fields in half the time that calling its class takes: a window has a hundred of each."""
 
 
-def published(waiting: Waiting, of: Candidate, *, current: bool = False) -> OpenMessage:
+def published(now: float, waiting: Waiting, of: Candidate, limits: Limits, *, current: bool = False) -> OpenMessage:
     """Return a sample that waits as a message to decide."""
-    return OpenMessage(waiting.t_gen, of.place, of, waiting.size, waiting.scale, waiting.features, current)
+    return _opened((waiting.t_gen, of.place, *_carried(now, of, limits, waiting.size, waiting), current))
 
 
-def expected(of: Candidate, times: Iterable[float]) -> list[OpenMessage]:
+def expected(now: float, of: Candidate, times: Iterable[float], limits: Limits) -> list[OpenMessage]:
     """Return the samples that are forecast for these times as messages to decide."""
-    stream, place, size = of.stream, of.place, of.size
-    if stream.forecasts:
-        return [_opened((t, place, of, size, *stream.expected(t)[2:], False)) for t in times]
-    _, _, scale, features = stream.newest
-    return [_opened((t, place, of, size, scale, features, False)) for t in times]
+    stream, place = of.stream, of.place
+    if not stream.forecasts:
+        rest = *_carried(now, of, limits, of.size, stream.newest), False
+        return [_opened((t, place, *rest)) for t in times]
+    likes = [stream.expected(t) for t in times]
+    alike = {id(like): _carried(now, of, limits, of.size, like) for like in likes}
+    return [_opened((t, place, *alike[id(like)], False)) for t, like in zip(times, likes, strict=True)]
+
+
+def _carried(now: float, of: Candidate, limits: Limits, size: int, like: Waiting | Generated) -> _Carried:
+    use = use_of(size, of.copies, limits.union, own=of.own)
+    utility = of.stream.information_type.utility_of(like.features)
+    return now if of.own else -math.inf, of.audience.latency_of(size), utility, like.scale, use
 
 
 class Contents(NamedTuple):
@@ -59,30 +71,27 @@ def problem(now: float, started: float, contents: Contents, limits: Limits) -> P
     """Return the problem of a window; `started` is when this robot did [s]."""
     candidates, opened, demanded = contents
     union, nothing = limits.union, (0.0,) * len(limits.union)
-    alike: dict[tuple[int, int, int], tuple[float, MessageUtility, tuple[float, ...], float]] = {}
-    """What messages of one stream take, are, use and wait for that are of one size and show the same: as most do."""
-
-    messages = [fact for c in candidates for fact in _facts(c, now, nothing)]
+    messages: list[Message] = []
+    for c in candidates:
+        messages += _facts(c, now, nothing)
     for m in demanded:
-        sent = Sent(m.t_gen, max(m.t_gen, now), m.size, m.scale, m.features)
-        messages.append(_fact(m.of, sent, 0.0, nothing))
+        t_sent = max(m.t_gen, now)
+        received = max(t_sent + m.latency, 0.0)
+        messages.append(Message(m.place, m.t_gen, t_sent, received, m.utility, m.scale, nothing, sent=True))
     t_sent, t_rcv = -math.inf, [-math.inf] * len(candidates)
-    for t_gen, place, of, size, scale, features, is_current in opened:
-        kind = place, size, id(features)
-        if (known := alike.get(kind)) is None:
-            utility, uses = of.stream.information_type.utility_of(features), use_of(size, of.copies, union, own=of.own)
-            known = alike[kind] = of.audience.latency_of(size), utility, uses, now if of.own else -math.inf
-        latency, utility, uses, earliest = known
-        t_sent = max(t_sent, t_gen, earliest)
-        t_rcv[place] = received = max(t_rcv[place], t_sent + latency)
-        messages.append(_message((place, t_gen, t_sent, received, utility, scale, uses, False)))
+    for t_gen, place, earliest, latency, utility, scale, use, is_current in opened:
+        soonest = t_gen if t_gen > earliest else earliest  # noqa: FURB136 - calls take longer, for each of 100 messages
+        t_sent = soonest if soonest > t_sent else t_sent  # noqa: FURB136
+        received = t_sent + latency
+        t_rcv[place] = received = received if received > t_rcv[place] else t_rcv[place]  # noqa: FURB136
+        messages.append(_message((place, t_gen, t_sent, received, utility, scale, use, False)))
         if is_current:
             current = messages[-1]
     messages.sort(key=itemgetter(1, 0))
     robots = {robot: number for number, robot in enumerate(sorted({c.stream.robot for c in candidates}))}
-    since, last = now - longest_window(union), opened[-1].of
+    since, last = now - longest_window(union), candidates[opened[-1].place]
     traffic = [Traffic(t, each) for t, each in (*limits.others, *limits.sent) if t >= since]
-    traffic += [Traffic(max(m.t_gen, now), use_of(m.size, m.of.copies, union, own=m.of.own)) for m in demanded]
+    traffic += [Traffic(max(m.t_gen, now), m.use) for m in demanded]
     return Problem(
         streams=tuple([_stream(c, robots[c.stream.robot]) for c in candidates]),
         messages=tuple(messages),
@@ -106,19 +115,19 @@ def _facts(c: Candidate, now: float, nothing: tuple[float, ...]) -> list[Message
 
     Nothing where messages add up or reach each robot once; of `best`, what was received counts from now on.
     """
-    stream = c.stream
-    if c.copy:  # what its robot has of the stream it had before it vanished
+    recent = c.stream.recent
+    if not recent or c.copy:  # what the robot of a copy has of the stream it had before it vanished
         return []
     if c.markovian:
-        return [_fact(c, stream.recent[-1], -math.inf, nothing)] if stream.recent else []
-    kind = stream.information_type.aggregation
+        return [_fact(c, recent[-1], -math.inf, nothing)]
+    kind = c.stream.information_type.aggregation
     if kind in (Aggregation.SUM, Aggregation.ONCE):
         return []
     since = now if kind is Aggregation.BEST else -math.inf
-    return [_fact(c, each, since, nothing) for each in islice(reversed(stream.recent), TUNING.facts_of_a_stream)]
+    return [_fact(c, each, since, nothing) for each in islice(reversed(recent), TUNING.facts_of_a_stream)]
 
 
 def _fact(c: Candidate, sent: Sent, since: float, use: tuple[float, ...]) -> Message:
     utility = c.stream.information_type.utility_of(sent.features)
     t_rcv = max(sent.t_sent + c.audience.latency_of(sent.size), since)
-    return Message(c.place, sent.t_gen, sent.t_sent, t_rcv, utility, sent.scale, use, sent=True)
+    return _message((c.place, sent.t_gen, sent.t_sent, t_rcv, utility, sent.scale, use, True))

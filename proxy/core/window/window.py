@@ -49,9 +49,13 @@ class WindowSize:
 
 
 class Window(NamedTuple):
-    """The `problem` of a decision. It would have so many messages of itself; `candidates` are its streams, in order."""
+    """The `problem` of a decision, which has `held` messages to decide besides the current one, and `full` of itself.
+
+    The `candidates` are its streams, in order.
+    """
 
     problem: Problem
+    held: int
     full: int
     candidates: list[Candidate]
 
@@ -76,14 +80,16 @@ class WindowBuilder:
         full = len(waiting) + min(horizon, coming - len(demanded))
         thin(candidates, places)
         ours = {c.stream.key: c for c in candidates if c.own}
-        opened = [published(w, ours[w.key]) for w in _competing(waiting, ours)[:queued]]
+        opened = [published(now, w, ours[w.key], limits) for w in _competing(waiting, ours)[:queued]]
         if current.to:
             candidates.append(self._copied(now, len(candidates), current))
-        opened.append(published(current, candidates[-1] if current.to else ours[current.key], current=True))
+        this = candidates[-1] if current.to else ours[current.key]
+        opened.append(published(now, current, this, limits, current=True))
         for c in candidates:
-            opened += expected(c, c.times)
+            opened += expected(now, c, c.times, limits)
         opened.sort(key=itemgetter(0, 1))
-        return Window(problem(now, self._started, Contents(candidates, opened, demanded), limits), full, candidates)
+        made = problem(now, self._started, Contents(candidates, opened, demanded), limits)
+        return Window(made, len(opened) - 1, full, candidates)
 
     def _contested(self, now: float, limits: Limits) -> Limits:
         """Return what is left of the limits to what is contested, without the sends that are booked."""
@@ -102,7 +108,7 @@ class WindowBuilder:
         view, own = self._view, self._view.settings.robot
         competing = view.contention.chosen(now, most, own if limits.alone else None, self.disputes.settled)
         current = None if deciding.to else view.streams.known(own, deciding.key)
-        if current is not None and not any(s is current for s in competing):
+        if current is not None and current not in competing:
             insort(competing, current, key=lambda s: (s.robot, s.key))
         return [self._candidate(now, place, stream) for place, stream in enumerate(competing)]
 
@@ -129,7 +135,7 @@ class WindowBuilder:
         forecast(now, self._view, candidates, limits, stream)
         coming = sum([len(c.times) for c in candidates])
         end = reach(now, candidates, limits, most)
-        demanded = [m for c in candidates if guaranteed(c.stream) for m in expected(c, c.take_owed())]
+        demanded = [m for c in candidates if guaranteed(c.stream) for m in expected(now, c, c.take_owed(), limits)]
         for c in candidates:
             c.bound(end)
         return demanded, coming

@@ -89,7 +89,7 @@ def test_everything_is_the_utility_of_all_messages(seed):
     unspoilt = replace(
         problem,
         streams=tuple(
-            replace(s, aggregation=Aggregation.MOST_RECENT) if s.aggregation is Aggregation.CURRENT else s
+            s._replace(aggregation=Aggregation.MOST_RECENT) if s.aggregation is Aggregation.CURRENT else s
             for s in problem.streams
         ),
     )

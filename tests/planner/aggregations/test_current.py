@@ -176,9 +176,9 @@ def test_equal_scales_are_most_recent(seed):
     alike = replace(
         drawn,
         messages=tuple(m._replace(scale=2.0) for m in drawn.messages),
-        streams=tuple(replace(s, newest=None) for s in drawn.streams),
+        streams=tuple(s._replace(newest=None) for s in drawn.streams),
     )
-    recent = replace(alike, streams=tuple(replace(s, aggregation=Aggregation.MOST_RECENT) for s in alike.streams))
+    recent = replace(alike, streams=tuple(s._replace(aggregation=Aggregation.MOST_RECENT) for s in alike.streams))
     for make in (tabulate, tabulate_with_numpy):
         one, other = make(alike, beyond=True), make(recent, beyond=True)
         assert one.gains.aim.tolist() == other.gains.aim.tolist()

@@ -16,7 +16,7 @@ from tests.seeds import seeds
 
 
 def with_model(problem, model):
-    return replace(problem, streams=tuple(replace(stream, aggregation=model) for stream in problem.streams))
+    return replace(problem, streams=tuple(stream._replace(aggregation=model) for stream in problem.streams))
 
 
 @pytest.mark.parametrize("mode", ["best", "paper"])

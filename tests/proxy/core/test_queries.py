@@ -164,7 +164,7 @@ def queries(core, now):
     )
     yield "capacity", lambda: (capacity.staleness(now), capacity.due_at, capacity.factors, capacity.wakes_at(now))
     yield "reports", lambda: (capacity.probe_due(now), capacity.has_news(now), capacity.report(now))
-    yield "announcements", lambda: (gossip.announcements.share(now), gossip.announcements.due_at(now))
+    yield "announcements", lambda: (gossip.announcements.share(()), gossip.announcements.due_at(now))
     yield "gossip", lambda: (gossip.due_at(now), gossip.states.state, gossip.account.window)
     yield "allowance", lambda: gossip.budget.due(now, apart=0.0, copies=2)
     yield "allowance ahead", lambda: (gossip.budget.due_ahead(now, 1.0), gossip.budget.due_in_turn(now, now, 1.0, 2))

@@ -1,7 +1,6 @@
 """Two robots that would send in the same moment: the one with the better claim does."""
 
 import math
-from dataclasses import replace
 
 import pytest
 
@@ -332,7 +331,7 @@ def test_a_contested_stream_does_not_wait_for_a_priced_one(view, monkeypatch, ou
     disputes.advance(10.0, limits, alone=False)
     stream, weighed = view.streams.known("r1", "robot/r1/camera"), disputes.weighed
     monkeypatch.setattr(
-        disputes, "weighed", lambda s: replace(weighed(s), standing=ours if s is stream else Standing.PRICED)
+        disputes, "weighed", lambda s: weighed(s)._replace(standing=ours if s is stream else Standing.PRICED)
     )
     sent(view, "r1", 9.9)
     sent(view, "r2", 9.0)

@@ -266,14 +266,14 @@ def test_a_team_of_equal_messages_sends_its_first_one_as_it_comes(contender, rob
     were switched on.
     """
     over = 0
-    for seed in range(3):
+    for seed in range(8):
         times, held, _ = flown("uniform-mixed", robots, contender, seed, later)
         assert times[0] < 0.5 + TUNING.first_time
         assert sum(times < 2.5) >= 4
         assert sum(times < 7.5) >= 10
         assert held.max() <= 1.15
         over += held.max() > 1.0
-    assert over <= 1
+    assert over <= 2
 
 
 @pytest.mark.full

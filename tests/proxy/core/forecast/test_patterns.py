@@ -36,6 +36,17 @@ def test_random_samples_come_from_now_on():
     assert (pattern.kind, pattern.period, pattern.jitter, pattern.pause) == ("poisson", 2.0, 2.0, 2.0)
 
 
+@pytest.mark.parametrize("until", [9.0, 10.0, 10.9, 11.0, 13.5])
+@pytest.mark.parametrize("at_last", [9.5, 11.0, 12.0, 60.0])
+def test_where_nothing_comes_in_time_the_next_sample_alone_is_expected(until, at_last):
+    """As if one asked twice, whatever the pattern."""
+    patterns = Periodic(Rhythm(1.5, 9.5, 10, 0.1, 16)), Memoryless(2.0), bursts_in(numbered(bursts(4)), whole=True)
+    for pattern in patterns:
+        span = Span(9.6, 9.2, until, 9)
+        once = pattern.expect(span) or pattern.expect(Span(9.6, 9.2, at_last, 1))
+        assert pattern.ahead(span, at_last) == once
+
+
 def test_times_are_bounded():
     """By number, by the end, and by what was asked for."""
     assert evenly(1.0, 0.5, 2.0, 9) == [1.0, 1.5, 2.0]

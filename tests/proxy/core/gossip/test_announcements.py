@@ -4,6 +4,7 @@ import pytest
 
 from proxy.core.coordination.budget import Budget
 from proxy.core.coordination.coordination import Coordination
+from proxy.core.coordination.team import sendable
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.announcements import Announcements
 from proxy.core.gossip.digest_budget import DigestBudget
@@ -48,6 +49,11 @@ class Sender:
         for count in range(20):
             stream.note_generated(count + 1, Generated(NOW + (count - 19) * period, size, 1.0))
         return stream
+
+    def share(self, now):
+        """Return what part of the allowance it takes to announce what the team may send."""
+        competing = self.view.contention.all(now)
+        return self.announcements.share(sendable(now, self.view, competing, self.limits))
 
     def look(self, now=NOW):
         """The team looks anew who sends, and whether to split the limits."""
@@ -98,7 +104,7 @@ def test_what_is_broadcast_is_overheard(make_sender):
     sender = make_sender(transport=broadcast("224.0.0.226:7449"))
     sender.budget.sent(NOW, 10**6, 1)
     assert sender.announcements.overheard
-    assert (sender.announcements.share(NOW), sender.announcements.due_at(NOW)) == (0.0, NOW)
+    assert (sender.share(NOW), sender.announcements.due_at(NOW)) == (0.0, NOW)
 
 
 def test_an_announcement_may_spend_the_allowance_ahead_of_time_but_not_for_ever(make_sender):
@@ -129,23 +135,23 @@ def test_what_announcing_takes_grows_with_how_often_large_samples_come(make_send
     """Each is told to each robot. What is small is not announced."""
     twice = make_sender(size=round(LARGE), period=0.5)
     rate = 2 / 0.5
-    assert twice.announcements.share(NOW) == pytest.approx(rate * COST * 2 / twice.budget.rate)
-    before = twice.announcements.share(NOW)
+    assert twice.share(NOW) == pytest.approx(rate * COST * 2 / twice.budget.rate)
+    before = twice.share(NOW)
     twice.film("r1", 10, 0.01, place="back")
-    assert twice.announcements.share(NOW) == before
+    assert twice.share(NOW) == before
     twice.film("r1", round(LARGE), 0.5, place="side")
-    assert twice.announcements.share(NOW) > before
+    assert twice.share(NOW) > before
 
 
 def test_what_is_never_sent_is_not_announced(make_sender):
     """Frames that no limit lets pass made announcing what goes look cheap: it waited, and three quarters were free."""
     sender = make_sender(size=round(LARGE), period=0.5)
-    share = sender.announcements.share(NOW)
+    share = sender.share(NOW)
     sender.film("p0", 50 * LIMIT, 0.1, place="back")
-    assert sender.announcements.share(NOW) == share
+    assert sender.share(NOW) == share
     frames = max(sender.view.contention.all(NOW), key=lambda stream: stream.sizes.mean)
     sender.view.traffic.note_sent(frames, frames.forwarded + 1, Sent(NOW, NOW, 50 * LIMIT, 1.0))
-    assert sender.announcements.share(NOW + 0.01) < share, "it is sent all the same"
+    assert sender.share(NOW + 0.01) < share, "it is sent all the same"
 
 
 def test_no_more_is_announced_than_the_limits_let_the_team_send(make_sender):
@@ -153,17 +159,17 @@ def test_no_more_is_announced_than_the_limits_let_the_team_send(make_sender):
     for size in (1_000, 2_000):
         sender = make_sender(size=size, period=0.1)
         most = sender.limits[0].limit / (2 * size) / WINDOW
-        assert sender.announcements.share(NOW) == pytest.approx(most * COST * 2 / sender.budget.rate)
+        assert sender.share(NOW) == pytest.approx(most * COST * 2 / sender.budget.rate)
 
 
 def test_a_stream_of_one_sample_is_not_taken_to_come_a_thousand_times_a_second(make_sender):
     """Its period is not known: a single one made announcements seem too dear, and teams split."""
     sender = make_sender(size=round(LARGE), period=10.0)
-    before = sender.announcements.share(NOW)
+    before = sender.share(NOW)
     new = sender.view.streams.touch(NOW, "r1", "robot/r1-new/camera")
     new.matching = True
     new.note_generated(1, Generated(NOW, round(LARGE), 1.0))
-    more = sender.announcements.share(NOW) - before
+    more = sender.share(NOW) - before
     assert 0.0 <= more < 10 / WINDOW * COST * 2 / sender.budget.rate
 
 
@@ -171,4 +177,4 @@ def test_a_team_of_which_nothing_is_known_yet_sends_some_messages_in_each_window
     """Else a large team would find announcing cheap until it has begun."""
     sender = make_sender(sending=())
     rate = TUNING.fewest_sends / WINDOW
-    assert sender.announcements.share(NOW) == pytest.approx(rate * COST * 2 / sender.budget.rate)
+    assert sender.share(NOW) == pytest.approx(rate * COST * 2 / sender.budget.rate)

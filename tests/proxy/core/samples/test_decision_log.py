@@ -89,7 +89,7 @@ def test_the_streams_that_matter_most_are_kept(make_specs):
     view.subscribers.set_own(("robot/**",))
     for number in range(others + 1):
         add_stream(view, f"r{number + 1}")
-    problem, full, candidates = WindowBuilder(view, 0.0).build(10.0, undecided(10.0), (), union())
+    problem, _, full, candidates = WindowBuilder(view, 0.0).build(10.0, undecided(10.0), (), union())
     current = problem.messages[problem.current].stream
     last = max(place for place, each in enumerate(problem.messages) if not each.sent and each.stream != current)
     searched = Searched.of(Plan(False, (last,), 1.0, None, 9, 1), problem, candidates, full, 300, cut=True)
@@ -106,7 +106,7 @@ def test_what_a_sample_ends_is_kept(make_specs, aggregation, ends):
     """What was sent last is worth 5, and nothing is left of it but 1."""
     view, stream = aggregated(make_specs, aggregation)
     stream.note_sent(1, Sent(9.9, 9.9, 1000, 5.0, {"red": 1.0}))
-    problem, full, candidates = WindowBuilder(view, 0.0).build(10.0, undecided(10.0), (), union())
+    problem, _, full, candidates = WindowBuilder(view, 0.0).build(10.0, undecided(10.0), (), union())
     plan = Plan(True, (problem.current,), 1.0, None, 9, 1)
     searched = Searched.of(plan, problem, candidates, full, 300, cut=False)
     assert searched.ends == pytest.approx(ends)

@@ -189,7 +189,7 @@ def test_equal_latencies_give_the_plan_of_one_receiver_that_counts_for_all(
     assert problem.streams[0].receivers == (Receiver(0.0, float(robots)),)
     merged = replace(
         problem,
-        streams=tuple(replace(each, receivers=(Receiver(),)) for each in problem.streams),
+        streams=tuple(each._replace(receivers=(Receiver(),)) for each in problem.streams),
         messages=tuple(m._replace(scale=m.scale * robots) for m in problem.messages),
     )
     found, expected = plan_of(problem), plan_of(merged)

@@ -70,7 +70,7 @@ def test_a_window_with_room_enough_is_whole(crowd):
     builder = WindowBuilder(crowd, 0.0)
     waiting = [sample(9.9, number=2)]
     whole = builder.build(10.0, sample(10.0), waiting, union())[0]
-    problem, full, _ = builder.build(10.0, sample(10.0), waiting, union(), 61)
+    problem, _, full, _ = builder.build(10.0, sample(10.0), waiting, union(), 61)
     assert problem == whole
     assert full == sum(not m.sent for m in whole.messages) - 1
 
@@ -183,7 +183,7 @@ def test_a_window_that_must_be_small_keeps_what_matters(make_specs, most, stream
         stream.note_sent(1, Sent(9.5, 9.5, 1000, 1.0, {}))
     waiting = [sample(9.0 + 0.01 * n, "robot/0/camera", scale=1.0 + n, number=2 + n) for n in range(queued)]
     current = sample(10.0, "robot/0/camera")
-    problem, full, _ = WindowBuilder(view, 0.0).build(10.0, current, waiting, union(), most)
+    problem, _, full, _ = WindowBuilder(view, 0.0).build(10.0, current, waiting, union(), most)
     opened = [m for m in problem.messages if not m.sent]
     assert problem.messages[problem.current].t_gen == 10.0
     assert len(opened) - 1 <= max(most, 1) + 1

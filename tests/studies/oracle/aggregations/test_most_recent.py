@@ -94,7 +94,7 @@ def test_the_column_of_a_message_joins_its_two_nodes():
 @given(small_problems())
 def test_messages_of_current_lose_what_they_show_too_much(problem):
     """The integer optimum is that of trying everything, and no fraction is worth less."""
-    current = replace(problem, streams=tuple(replace(s, aggregation=Aggregation.CURRENT) for s in problem.streams))
+    current = replace(problem, streams=tuple(s._replace(aggregation=Aggregation.CURRENT) for s in problem.streams))
     best = best_by_trying(current)
     assert utility(current, np.flatnonzero(optimum(current).sends > 0.5).tolist()) == pytest.approx(best, abs=1e-6)
     assert upper_bound(current).bound >= best - 1e-6 * max(1.0, abs(best))
