@@ -172,14 +172,3 @@ def test_each_has_a_slot_before_any_has_two_that_are_worth_as_much():
     allocation = allocate({f"r{i}": bid for i in range(4)}, 4, 100)
     assert not allocation.slots
     assert sorted(part // 1900 for part in allocation.parts.values()) == [1, 1, 1, 2]
-
-
-def test_slots_of_one_robot_make_room_for_a_larger_one_of_another():
-    """It uses a quarter of each: nobody is silent for that, and who needs no such room takes none from them."""
-    cameras = tuple(Segment(amount, 115, 1) for amount in (1406, 1422, 1433, 1434))
-    bids = {"r1": (*cameras, Segment(1406, 100, 1), Segment(1422, 100, 1)), "r2": (Segment(4000, 131),)}
-    assert allocate(bids, 2, 100).largest("r1") >= sum(segment.amount for segment in cameras)
-    beside = allocate(bids | {"r2": (*bids["r2"], Segment(2348, 109, 1), Segment(2348, 94, 1))}, 2, 100)
-    assert beside.largest("r2") >= 4000 + 2348
-    assert beside.largest("r1") >= 1434
-    assert beside.total <= UNIT - 100
