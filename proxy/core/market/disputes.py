@@ -279,8 +279,8 @@ class Disputes:
         limits, me = self._limits, self._view.settings.robot
         met = list[str]()
         if not self._alone:
-            listens, little = self._view.newcomers.only_listens, self._view.newcomers.little_known(now)
-            met = sorted(untold.union(peer.robot for peer in little if not listens(peer)))
+            listens, lately = self._view.newcomers.only_listens, self._view.newcomers.met_lately(now)
+            met = sorted(untold.union(peer.robot for peer in lately if not listens(peer)))
         uses = {robot: [0.0] * len(limits) for robot in (me, *met)}
         for row, interval in zip(load, apart, strict=True):
             if (use := uses.get(row.stream.robot)) is not None:
