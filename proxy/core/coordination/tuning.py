@@ -106,10 +106,6 @@ class CoordinationTuning:
     whole_part: float = 0.95
     """Who has so much of a limit may take it all for a message that is larger."""
 
-    handed_news: float = 0.5
-    """Room that nobody took is the next robot's after this part of how long news take: it is mostly less..."""
-    handed_part: float = 0.5
-    """... and everybody's after this part of a window, however many robots there are."""
     least_limit: float = 1e-6
     """A constraint cannot be zero; this is as good."""
     departure_weight: float = 0.1
