@@ -337,22 +337,6 @@ def many(talk, now, count=COORDINATION.large_team):
         talk.tell(ev.StateHeard(now, state, len(pack_state(state))))
 
 
-def test_a_large_team_hears_of_subscriptions_unasked(make_talk):
-    """Together, whoever comes about then; who subscribes to nothing waits until it is asked."""
-    talk = make_talk()
-    talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
-    many(talk, 5.0)
-    talk.said.clear()
-    talk.tell(ev.TimePassed(5.0 + TUNING.gather))
-    (told,) = talk.all(SendState)
-    assert (told.state.subscriptions, told.update) == (("robot/*/camera",), None)
-    silent = make_talk()
-    many(silent, 5.0)
-    silent.said.clear()
-    silent.tell(ev.TimePassed(5.0 + TUNING.gather))
-    assert silent.all(SendState) == []
-
-
 def test_where_a_large_team_has_equal_parts_news_of_streams_wait_for_the_allowance(make_talk):
     """Nobody plans with them."""
     talk = make_talk(coordination="split")
