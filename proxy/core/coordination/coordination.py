@@ -19,8 +19,7 @@ from proxy.core.coordination.demands import bid
 from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts, Turn
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
-from proxy.core.coordination.patience import Departed
-from proxy.core.coordination.team import Team, words_take, words_take_long
+from proxy.core.coordination.team import Team, words_take
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
@@ -52,7 +51,6 @@ class Coordination:
         """The part that we have for small samples whatever others say; none where nobody else sends."""
         self.told: SplitReport | None = None
         self.formation = Formation(now, strict=self.team.strict)
-        self._departed = Departed()
         self.meanwhile = Meanwhile()
 
     @property
@@ -125,10 +123,6 @@ class Coordination:
         if isinstance(message, Digest):
             sent = self._view.peers[name].offset.ours(message.sent)
             self.team.heard(message, now - sent)
-            if (split := self.split_in_force) is not None:
-                gone = self._departed.share(message, split.agreement)
-                if gone >= TUNING.departed_part and words_take_long(self._view, self.team.robots):
-                    self.team.patience.give_up(now)
         elif message.since and message.split is not None:
             self.team.heard_vote(name, splits=message.splits)
         if self._split is not None and message.split is not None:
