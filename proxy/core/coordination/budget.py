@@ -6,13 +6,12 @@ In `announce` all that is known to be sent counts, in `split` only our own sends
 import math
 from dataclasses import replace
 
-from proxy.core.coordination.claims import news_take
 from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.equal_parts import NOT_NEEDED
 from proxy.core.coordination.sends import OthersSends, OwnSends
 from proxy.core.coordination.stretch import Stretch
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.room import Departures, Openings, Room
+from proxy.core.market.room import Departures, Openings
 from proxy.core.market.tuning import TUNING as MARKET
 from proxy.core.model.limits import (
     Limit,
@@ -21,45 +20,9 @@ from proxy.core.model.limits import (
     changes_plans,
     is_bulky,
     longest_window,
-    shortest_window,
     stretched,
 )
-from proxy.core.view.traffic import WORDS
 from proxy.core.view.view import SharedView
-
-
-class Handover:
-    """Whose turn it is for room that others leave: its robot's first, then the next one's by name, and so on round.
-
-    Where all took such room at the moment it opened 16 to 78 % of the windows of 6 to 12 robots were over the limit,
-    and 5 to 10 are now, with 94 to 100 % of a central decider's utility (broadcast, 30 s).
-    """
-
-    def __init__(self, view: SharedView) -> None:
-        self._view = view
-        self._known: tuple[tuple[Send, ...], tuple[Send, ...]] = (), ()
-        """What others had sent, and the same as its room comes to us."""
-
-    def longest(self, robots: int, limits: tuple[Limit, ...]) -> float:
-        """Return the longest time until it is ours where so many other robots take turns [s]."""
-        return min(robots * self._step(), TUNING.handed_part * shortest_window(limits))
-
-    def in_turn(self, sends: tuple[Send, ...], since: float, limits: tuple[Limit, ...]) -> tuple[Send, ...]:
-        """Return what others sent since then [s], each as much later as its room comes to us."""
-        if sends is not self._known[0]:
-            senders = [robot for _, _, robot, _ in self._view.traffic.sent_since(since)]
-            own, others = self._view.traffic.robot, set(senders) - {WORDS}
-            names = sorted(others | {own})
-            place, step, longest = names.index(own), self._step(), self.longest(len(others), limits)
-            after = {robot: min((place - k) % len(names) * step, longest) for k, robot in enumerate(names)}
-            after[WORDS] = min(place * step, longest)  # what they leave no robot had
-            late = [(t + after[robot], use) for (t, use), robot in zip(sends, senders, strict=True)]
-            self._known = sends, tuple(late)
-        return self._known[1]
-
-    def _step(self) -> float:
-        """Return how much later the next robot takes room: it would have heard of who took it before [s]."""
-        return TUNING.handed_news * news_take(self._view)
 
 
 class Budget:
@@ -82,8 +45,8 @@ class Budget:
         self._others_known: tuple[float, int, tuple[Limit, ...], bool] = (-math.inf, 0, (), False)
         """When, after how many notes, under which limits and in which coordination others had sent `_others_sent`."""
         self._others_sent: tuple[Send, ...] = ()
-        self._openings = {room: Openings() for room in Room}
-        self._handover = Handover(view)
+        self._openings = {False: Openings(), True: Openings()}
+        """Of room that our own sends leave, and of what anybody's do."""
 
     @property
     def alone(self) -> bool:
@@ -186,9 +149,11 @@ class Budget:
         return coordination.equal.by_clock and _next_turn(self, coordination, now, use) > -math.inf
 
     def opens(
-        self, now: float, use: tuple[float, ...], wanted: Room = Room.OWN, total: tuple[float, ...] = ()
+        self, now: float, use: tuple[float, ...], total: tuple[float, ...] = (), *, anybodys: bool = False
     ) -> float:
-        """When the `wanted` room opens for a message, or the `total` it goes with [s]; −∞: it is there, ∞: never is.
+        """When room opens for a message, or the `total` it goes with [s]; −∞: it is there, ∞: never is.
+
+        Room that our own sends leave, unless `anybodys` will do.
 
         Or when it can be announced: who only looked for room dropped alarms at once that could wait for seconds.
         Or when our part grows that is too small for it: in `split` ten robots with equal messages reach 83 to 95 % of a
@@ -199,22 +164,17 @@ class Budget:
             return self._mute_until
         if coordination.equal.by_clock and (turn := _next_turn(self, coordination, now, needed)) > -math.inf:
             return turn if self.lacking(now, use, needed) else -math.inf
-        longer = MARKET.closed
-        if wanted is Room.IN_TURN and not self.alone:
-            longer += self._handover.longest(len(coordination.team.members), self.limits)
         usable = self.usable(now)
-        if all(amount <= self._room(now, k, use[k], usable, longer) for k, amount in enumerate(needed)):
+        if all(amount <= self._room(now, k, use[k], usable, MARKET.closed) for k, amount in enumerate(needed)):
             return -math.inf
         others = self.others(now)
-        if wanted is Room.IN_TURN and others:
-            others = self._handover.in_turn(others, now - self._memory, self.limits)
         limits = usable if self.turns else self.stretch.limits(now, usable, use, alone=self.alone)
         since = now - longest_window(limits) - MARKET.closed
-        departures = self._openings[wanted].after(since, self.own, others, anybodys=wanted is not Room.OWN)
+        departures = self._openings[anybodys].after(since, self.own, others, anybodys=anybodys)
         opening = departures.opens(limits, needed)
         if limits is not usable and self.stretch.is_ordinary(use, usable):
             beside = [self.stretch.beside(sends, usable) for sends in (self.own, others)]
-            opening = max(opening, Departures(*beside, anybodys=wanted is not Room.OWN).opens(usable, needed))
+            opening = max(opening, Departures(*beside, anybodys=anybodys).opens(usable, needed))
         if opening < math.inf or math.isinf(grows := coordination.grows_at(now)):
             return opening
         return max(grows, departures.opens(self.usable(grows), needed))

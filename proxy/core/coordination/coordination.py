@@ -15,12 +15,11 @@ cost too much. Fifty robots with streams of 0.1 to 4 kB reach 96 % of a central 
 import math
 from collections.abc import Callable, Collection, Sequence
 
-from proxy.core.coordination.demands import bid, usual
+from proxy.core.coordination.demands import bid
 from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts, Turn
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
-from proxy.core.coordination.patience import Departed
-from proxy.core.coordination.team import Asking, Team, words_take, words_take_long
+from proxy.core.coordination.team import Asking, Team, words_take
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
@@ -52,7 +51,6 @@ class Coordination:
         """The part that we have for small samples whatever others say; none where nobody else sends."""
         self.told: SplitReport | None = None
         self.formation = Formation(now, strict=self.team.strict)
-        self._departed = Departed()
         self.meanwhile = Meanwhile()
 
     @property
@@ -125,10 +123,6 @@ class Coordination:
         if isinstance(message, Digest):
             sent = self._view.peers[name].offset.ours(message.sent)
             self.team.heard(message, now - sent)
-            if (split := self.split_in_force) is not None:
-                gone = self._departed.share(message, split.agreement)
-                if gone >= TUNING.departed_part and words_take_long(self._view, self.team.robots):
-                    self.team.patience.give_up(now)
         elif message.since and message.split is not None:
             self.team.heard_vote(name, splits=message.splits)
         if self._split is not None and message.split is not None:
@@ -198,8 +192,7 @@ class Coordination:
             return False
         # Who asks anew and cannot tell so keeps the others from doing so, and from agreeing, until it can.
         if (due or entered) and (not split.agreement.formed or passes_at(now) <= now):
-            takes = words_take(self._view, self.team.robots)
-            split.bid(now, bid(self._view, now, limits), usual=usual(self._view, now, limits), takes=takes)
+            split.bid(now, bid(self._view, now, limits), takes=words_take(self._view, self.team.robots))
         split.advance(now, self.team.news_take(waiting), passes_at(now))
         self.formation.look(now, formed=split.agreement.formed, window=max(self._kind[0]))
         return split.exchange.has_news(now)

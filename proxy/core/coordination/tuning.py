@@ -65,9 +65,7 @@ class CoordinationTuning:
     word_size: int = 60
     """Few digests are smaller [B]..."""
     slow_words: float = 2.0
-    """... and where one of each robot to every other takes longer than this, who cannot agree has equal parts [s]..."""
-    departed_part: float = 0.25
-    """... as soon as this part of a limit is with robots that gave up (`patience.py`)."""
+    """... and where one of each robot to every other takes longer than this, who cannot agree has equal parts [s]."""
     passed_on: float = 0.5
     """Nor are slots worth their words that are worth no more than equal parts, where passing them on takes this part of
     the allowance (six drawn workloads: 46 to 76 % of a central decider, now 66 to 81)."""
@@ -109,10 +107,6 @@ class CoordinationTuning:
     whole_part: float = 0.95
     """Who has so much of a limit may take it all for a message that is larger."""
 
-    handed_news: float = 0.5
-    """Room that nobody took is the next robot's after this part of how long news take: it is mostly less..."""
-    handed_part: float = 0.5
-    """... and everybody's after this part of a window, however many robots there are."""
     least_limit: float = 1e-6
     """A constraint cannot be zero; this is as good."""
     departure_weight: float = 0.1

@@ -63,7 +63,7 @@ class Schedule:
         if t_gen <= history.newest[1]:
             if reported is not None:
                 history.forget_since(t_gen)
-            elif t_gen == history.newest[1] or not self._goes_back(count, t_gen):
+            elif t_gen == history.newest[1] or not self._goes_back():
                 return
         sample = count, t_gen
         paused = t_gen - history.newest[1] >= self._silence and bool(history.past)
@@ -111,17 +111,13 @@ class Schedule:
         gap = max(self._history.longest_gap, self._pattern.pause if self._pattern else 0.0)
         return max(TUNING.timeout_periods * period, TUNING.timeout_gaps * gap)
 
-    def _goes_back(self, count: int, t_gen: float) -> bool:
-        """Forget what stands in the way of a sample that comes before the last one; return whether it counts."""
+    def _goes_back(self) -> bool:
+        """Begin a new past at a sample before the last one, where several were; return whether it counts so."""
         self._back += 1
-        past = self._history.past
-        if len(past) > 1 and t_gen > past[-2][1] and self._tracker.withdraw(count, t_gen):
-            past.pop()
-        elif self._back >= TUNING.run:
-            self._history.restart()
-            self._tracker = Tracker()
-        else:
+        if self._back < TUNING.run:
             return False
+        self._history.restart()
+        self._tracker = Tracker()
         return True
 
     def _resume(self, sample: Numbered) -> None:

@@ -30,17 +30,6 @@ class Tracker:
         else:
             self._doubt(rhythm, count, t)
 
-    def fits(self, count: int, t: float) -> bool:
-        """Whether sample number `count` is due at about `t` [s]."""
-        return self.rhythm is not None and abs(t - self.rhythm.due(count)) <= _gate(self.rhythm)
-
-    def withdraw(self, count: int, t: float) -> bool:
-        """Forget the last sample if it was a suspect and this one, from before it, fits; return whether it is so."""
-        if not self._suspects or not self.fits(count, t):
-            return False
-        self._suspects.pop()
-        return True
-
     def resume(self, count: int, t: float) -> None:
         """Take in a sample after a pause: the period is what it was, the phase is not."""
         self._suspects.clear()

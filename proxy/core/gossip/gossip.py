@@ -114,7 +114,6 @@ class Gossip:
     def met(self, now: float, name: str) -> None:
         """A robot with this tag is new: it is told everything, and asked for its state."""
         self.news.forget()
-        self.states.met(now)
         self.requests.want(now, name)
 
     def state_asked(self, now: float) -> None:

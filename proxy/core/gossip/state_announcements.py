@@ -162,8 +162,6 @@ class StateAnnouncements:
         """Whether a stream that others plan with is news."""
         self._subscriptions_are_new = False
         """Whether what our apps subscribe to is."""
-        self._push_at, self._pushed = math.inf, -math.inf
-        """When our state is sent to all robots that have come, and when it was sent so last [s]."""
 
     def review(self, at: float) -> None:
         """Our state may be news; look then [s]."""
@@ -187,11 +185,6 @@ class StateAnnouncements:
         if stepped or error != self._view.clocks.error:
             self.review(now)
 
-    def met(self, now: float) -> None:
-        """A robot came. In a large team it may ask only a few for their states, so we tell it our subscriptions."""
-        if self._coordination.team.large and self.state.subscriptions and math.isinf(self._push_at):
-            self._push_at = self._pushed = max(now + TUNING.gather, self._pushed + TUNING.pushes_apart)
-
     def asked(self, now: float) -> None:
         """Somebody asked for our state and got it."""
         self._account.sent_other(now, len(pack_state(self.state)), 1)
@@ -206,16 +199,11 @@ class StateAnnouncements:
 
     def due_at(self, now: float) -> float:
         """When a state may have to go out at the latest [s]."""
-        return min(self._push_at, max(self._review_at, self._allowed_at(now)))
+        return max(self._review_at, self._allowed_at(now))
 
     def advance(self, now: float, mode: Mode) -> list[Command]:
         """Announce what is new, if it is time to; `mode` is ours."""
-        commands = self._announce(now, mode) if now >= self._review_at and now >= self._allowed_at(now) else []
-        if now >= self._push_at:
-            self._push_at = math.inf
-            self._account.sent_other(now, len(pack_state(self.state)), self._account.copies)
-            commands.append(SendState(self.state, None))
-        return commands
+        return self._announce(now, mode) if now >= self.due_at(now) else []
 
     def _allowed_at(self, now: float) -> float:
         """When a state may follow the last one [s]: once that is paid for; sooner what others plan with."""

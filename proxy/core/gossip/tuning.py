@@ -127,8 +127,6 @@ class GossipTuning:
     gather: float = 0.25
     """New streams that are not large are announced so late, together [s]; large ones at once, ahead of the allowance:
     else eight robots knew of each other's cameras after 2 to 5 s."""
-    pushes_apart: float = 2.0
-    """Who comes to a large team hears of subscriptions together with all who come within so long [s]."""
     review_every: float = 1.0
     """While samples come, our state is looked at this often: whether the periods are still right [s]."""
     period_change: float = 0.1

@@ -306,7 +306,7 @@ class Disputes:
             unknown.add(stream.robot)
             if now > max(stream.newest.t_gen, until(stream.robot, -math.inf)) + TUNING.untold * interval:
                 untold.add(stream.robot)
-        met = {peer.robot for peer in newcomers.little_known(now) if not newcomers.only_listens(peer)}
+        met = {peer.robot for peer in newcomers.met_lately(now) if not newcomers.only_listens(peer)}
         return met - (known - unknown) | untold
 
     def _used(self, now: float) -> Amounts:

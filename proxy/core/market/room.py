@@ -1,13 +1,13 @@
 """When there is room: sends leave the windows of the limits one after the other, and the channel once it carried them.
 
 Room that another robot's send leaves is not ours: several would wait for it and send at once (in a team of ten 13 % of
-the windows were over). Who leads waits for that, too, and what is not contested does in turn.
+the windows were over). Who leads waits for that, too, as do samples each of which counts that are worth far more than
+their room costs: alarms.
 """
 
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from enum import Enum
 from itertools import accumulate
 
 from planner import Constraint
@@ -96,17 +96,6 @@ class SendLog:
         for use in self._uses[place:]:
             total = tuple([a + b for a, b in zip(total, use, strict=True)]) if total else use
             self._sums.append(total)
-
-
-class Room(Enum):
-    """Which room a sample waits for."""
-
-    OWN = "own"
-    """What our own sends leave."""
-    IN_TURN = "in turn"
-    """What any robot's sends leave, when its turn comes to us."""
-    ANYBODYS = "anybodys"
-    """What any robot's sends leave."""
 
 
 class Departures:

@@ -4,7 +4,7 @@ import math
 
 from proxy.core.coordination.claims import claim, first_at, news_take, opening
 from proxy.core.coordination.tuning import TUNING as COORDINATION
-from proxy.core.market.room import Room, carried, pace_part
+from proxy.core.market.room import carried, pace_part
 from proxy.core.market.standing import Amounts, Standing
 from proxy.core.model.lifetimes import half_life
 from proxy.core.model.limits import Limit, changes_plans, longest_window, shortest_window
@@ -129,9 +129,8 @@ class Waits:
             needed = self._disputes.besides(now, use)
         else:
             needed = use if self._budget.alone else self._disputes.under_way.beside(use, news_take(self._view))
-        own = contested and (stream.information_type.markovian or not self._disputes.weighed(stream).outweighs)
-        wanted = Room.ANYBODYS if leads else Room.OWN if own else Room.IN_TURN
-        room = self._budget.opens(now, use, wanted, needed)
+        alarm = not stream.information_type.markovian and (not contested or self._disputes.weighed(stream).outweighs)
+        room = self._budget.opens(now, use, needed, anybodys=leads or alarm)
         if leads and room > now:
             room += opening(self._view)
         opens = room if room <= until else -math.inf

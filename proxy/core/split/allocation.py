@@ -11,7 +11,7 @@ from operator import itemgetter
 from proxy.core.protocol.bid import QUARTERS, UNIT, Bid, Segment, density_of
 from proxy.core.split.tuning import TUNING
 
-RULES = 6
+RULES = 7
 """Counts how parts are made of bids: robots that do it another way never agree with us."""
 
 Bids = Mapping[str, Bid | None]
@@ -40,10 +40,6 @@ class Allocation:
         """All of it together [units]."""
         return sum(self.parts.values()) + sum(slot.size for slot in self.slots)
 
-    def carries(self, tag: str, amount: int) -> bool:
-        """Whether a message that takes so much of a limit fits what a robot has [units]."""
-        return self.largest(tag) >= _needed(amount)
-
     def worth(self, bids: Mapping[str, Bid], *, divisible: bool = False) -> float:
         """Return what slots are worth to all together [utility/s]: the same to the last bit, however bids are ordered.
 
@@ -61,14 +57,6 @@ class Allocation:
         """Return what a robot has in the mean [units]."""
         shared = (slot.size * dict(slot.ring).get(tag, 0) / sum(turn for _, turn in slot.ring) for slot in self.slots)
         return self.parts.get(tag, 0) + sum(shared)
-
-    def resembles(self, other: "Allocation") -> bool:
-        """Whether the same robots share the same slots, and all amounts are about the same."""
-        if [sorted(slot.ring) for slot in self.slots] != [sorted(slot.ring) for slot in other.slots]:
-            return False
-        sizes = [(one.size, two.size) for one, two in zip(self.slots, other.slots, strict=True)]
-        amounts = [*sizes, *((part, other.parts.get(tag, -UNIT)) for tag, part in self.parts.items())]
-        return all(abs(one - two) <= TUNING.alike_part * max(one, two) + TUNING.alike_units for one, two in amounts)
 
 
 def worth_of_equal(bids: Mapping[str, Bid]) -> float:
@@ -123,9 +111,9 @@ def _allocate(table: tuple[tuple[str, Bid | None], ...], members: int, floor: in
 class _OpenSlot:
     """A slot that is being filled: pieces by robot."""
 
-    def __init__(self, size: int, pieces: Mapping[str, int] | None = None, *, whole: bool = False) -> None:
-        self.size, self.pieces, self.whole = size, Counter(pieces), whole
-        self.left = TUNING.slot_pieces - self.pieces.total()
+    def __init__(self, size: int) -> None:
+        self.size, self.pieces, self.whole = size, Counter[str](), False
+        self.left = TUNING.slot_pieces
 
     def take(self, tag: str, amount: int) -> None:
         self.whole |= amount == UNIT
@@ -134,14 +122,6 @@ class _OpenSlot:
 
     def grow(self, amount: int) -> None:
         self.size += amount
-
-    def holds(self, other: "_OpenSlot") -> bool:
-        """Whether both are one robot's alone, and one of them has place for all that it sends in either."""
-        alone = len(self.pieces) == 1 and self.pieces.keys() == other.pieces.keys()
-        return alone and self.left + other.left >= TUNING.slot_pieces
-
-    def together(self, other: "_OpenSlot") -> "_OpenSlot":
-        return _OpenSlot(max(self.size, other.size), self.pieces + other.pieces, whole=self.whole or other.whole)
 
 
 class _Filling:
@@ -199,8 +179,6 @@ class _Filling:
         """Give a robot a piece of a slot for a message of this size, if there is one."""
         size = _needed(amount)
         slot = self._own(tag, size) or self._new(size) or self._shared(size)
-        if slot is None and self._merge_for(size):
-            slot = self._new(size)
         if slot is not None:
             slot.take(tag, amount)
 
@@ -224,24 +202,6 @@ class _Filling:
         self._left -= more
         slot.grow(more)
         return slot
-
-    def _merge_for(self, size: int) -> bool:
-        """Put slots of one robot together that it uses a part of, if there is room for a new one then; return whether.
-
-        Four cameras of one robot had a slot each for a quarter of it, and a robot with larger frames sent none.
-        """
-        merged, left = list[_OpenSlot](), self._left
-        for slot in self._slots:
-            into = next((at for at, each in enumerate(merged) if each.holds(slot)), None)
-            if into is None or left >= size:
-                merged.append(slot)
-                continue
-            left += min(merged[into].size, slot.size)
-            merged[into] = merged[into].together(slot)
-        if left < size:
-            return False
-        self._slots, self._left = merged, left
-        return True
 
     def allocation(self, urgency: Mapping[str, int], seed: int) -> Allocation:
         """Return what each has; what is left goes to all who bid, alike."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Sequence
 
-from proxy.core.protocol.bid import UNIT, Bid, alike, alike_but_for_slots, few_parts
+from proxy.core.protocol.bid import UNIT, Bid, alike
 from proxy.core.protocol.split_report import SplitReport
 from proxy.core.split.agreement import Agreement
 from proxy.core.split.allocation import worth_of_equal
@@ -13,13 +13,9 @@ from proxy.core.split.tuning import TUNING
 from proxy.core.split.turns import Turn
 
 
-def worthwhile(agreement: Agreement, bid: Bid, usual: int, takes: float) -> bool:
-    """Whether our bid should be this one from now on, as an agreement on it, which `takes` so long [s], is worth it.
-
-    A `usual` large message of ours takes so much [units].
-    """
-    same = alike(agreement.bid[1], bid) or indifferent(agreement, bid, takes)
-    return not same or starves(agreement, bid, usual)
+def worthwhile(agreement: Agreement, bid: Bid, takes: float) -> bool:
+    """Whether our bid should be this one from now on, as an agreement on it, which `takes` so long [s], is worth it."""
+    return not (alike(agreement.bid[1], bid) or indifferent(agreement, bid, takes))
 
 
 def outdoes_equal(agreement: Agreement) -> bool:
@@ -30,43 +26,16 @@ def outdoes_equal(agreement: Agreement) -> bool:
 
 
 def indifferent(agreement: Agreement, bid: Bid, takes: float = 0.0) -> bool:
-    """Whether little would be gained if all agreed on this bid: about what each has, or slots alone change hands.
+    """Whether less is gained if all agree on this bid than rests while they do, which `takes` so long [s].
 
-    Or less than slots are worth that rest while all agree, which `takes` so long [s].
+    Not of who asked for nothing so far, nor where somebody's bid is not known.
     """
-    if (bids := _bids_with(agreement, bid)) is None:
-        return False
-    newest = agreement.log.newest
-    had, allocation = newest.allocation, newest.allocated(bids)
-    if allocation.resembles(had):
-        return True
-    before, after = had.worth(bids, divisible=True), allocation.worth(bids, divisible=True)
-    if agreement.bid[1] and max(0.0, after - before) < takes / TUNING.gains_for * before:
-        return True
-    slots = alike_but_for_slots(agreement.bid[1], bid) and all(map(few_parts, bids.values()))
-    if not slots or allocation.largest(agreement.own) > TUNING.message_growth * had.largest(agreement.own):
-        return False
-    return allocation.worth(bids) < (1.0 + TUNING.slot_gain) * had.worth(bids)
-
-
-def starves(agreement: Agreement, bid: Bid, usual: int) -> bool:
-    """Whether a `usual` message does not fit what we have, though it would with this bid.
-
-    One of four robots was silent for 12 s. What we ask for is larger than most messages, and is a little more now and
-    then: of eight robots three asked anew each time, and all of them had next to nothing until they agreed.
-    """
-    newest = agreement.log.newest
-    if newest.allocation.carries(agreement.own, usual):
-        return False
-    bids = _bids_with(agreement, bid)
-    return bids is not None and newest.allocated(bids).carries(agreement.own, usual)
-
-
-def _bids_with(agreement: Agreement, bid: Bid) -> dict[str, Bid] | None:
-    """Return everybody's bid and this one of ours, if we have all."""
     newest = agreement.log.newest
     bids = {tag: entry[1] for tag, entry in newest.entries.items() if entry is not None} | {agreement.own: bid}
-    return bids if newest.complete and bids.keys() == agreement.members else None
+    if not (agreement.bid[1] and newest.complete and bids.keys() == agreement.members):
+        return False
+    before, after = (each.worth(bids, divisible=True) for each in (newest.allocation, newest.allocated(bids)))
+    return max(0.0, after - before) < takes / TUNING.gains_for * before
 
 
 class Split:
@@ -117,15 +86,12 @@ class Split:
         self.agreement.set_members(now, tags)
         self._settle(now)
 
-    def bid(self, now: float, bid: Bid, *, usual: int = 0, takes: float = 0.0) -> bool:
-        """Ask for this from now on, if it differs enough and it is time; return whether we do.
-
-        A `usual` large message takes so much [units], to agree `takes` so long [s].
-        """
+    def bid(self, now: float, bid: Bid, *, takes: float = 0.0) -> bool:
+        """Ask for this from now on, if it differs enough and it is time, as agreeing `takes` so long [s]; if we do."""
         agreement = self.agreement
         if agreement.silent and any(not segment.quarters or segment.amount <= agreement.equal for segment in bid):
             return False
-        if not self._may_bid(now) or not worthwhile(agreement, bid, usual, takes):
+        if not self._may_bid(now) or not worthwhile(agreement, bid, takes):
             return False
         self._bid_at = now
         agreement.ask(now, bid)

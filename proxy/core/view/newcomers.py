@@ -1,4 +1,4 @@
-"""The robots that have been met lately, and those of which little is known."""
+"""The robots that have been met lately, and those that only listen."""
 
 import math
 from collections.abc import Mapping
@@ -40,20 +40,6 @@ class Newcomers:
         """Return the robots of which little may be known yet: they, or our own streams, have just come."""
         began, time = self._began(), TUNING.newcomer_time
         return [peer for peer in self._peers.values() if now < max(peer.since, began) + time and not peer.plain]
-
-    def little_known(self, now: float) -> list[Peer]:
-        """Return the robots that may send more than is known of them: they have been met lately, or news were lost.
-
-        One of eight robots took 14 samples a window of another one for none for 20 s, as only its state told of them.
-        """
-        met, known = self.met_lately(now), self._streams.known
-        untold = (
-            peer
-            for peer in self._peers.values()
-            if len(peer.told) > self._streams.count(peer.robot) and not peer.plain and peer not in met
-            if any(known(peer.robot, key) is None and self._streams.specs.planned(key) for key in peer.told)
-        )
-        return [*met, *untold]
 
     def greeted_by(self, now: float) -> float:
         """Until when a robot that has just been met may tell what it sent lately [s]; −∞: all have, or are tokens."""

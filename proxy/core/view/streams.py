@@ -44,10 +44,6 @@ class Streams:
         """Return the streams of another robot."""
         return [stream for stream in self._owned.get(owner_of(robot), {}).values() if stream.robot == robot]
 
-    def count(self, robot: str) -> int:
-        """Return how many streams of another robot there are."""
-        return len(self._owned.get(owner_of(robot), ()))
-
     def plain(self) -> list[Stream]:
         """Return the streams of all plain nodes."""
         return list(self._owned.get(PLAIN, {}).values())

@@ -8,7 +8,6 @@ import pytest
 
 from planner.measures import Throughput
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.market.room import Room
 from proxy.core.model.limits import Limit
 from tests.proxy.core.coordination.conftest import BYTES, COUNT, heard
 
@@ -108,7 +107,7 @@ def test_what_was_sent_under_a_larger_limit_counts_as_the_part_that_it_was_and_s
     budget.set_limits((smaller, COUNT), 5.0)
     budget.stretch.weigh(budget.limits, (20.0, 0.0), [((450.0, 1.0), (0.0, 0.0))])
     assert budget.free(4.9, (30.0, 1.0)) == pytest.approx([12.0, 2.0])
-    assert 4.9 < budget.opens(4.9, (30.0, 1.0), Room.IN_TURN) < 5.4
+    assert 4.9 < budget.opens(4.9, (30.0, 1.0), anybodys=True) < 5.4
     assert not budget.lacking(5.4, (30.0, 1.0))
     limits = budget.problem_limits(5.7)
     assert limits.windows[0] > 4.0

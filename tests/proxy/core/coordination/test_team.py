@@ -284,29 +284,6 @@ def test_who_can_neither_agree_nor_announce_keeps_to_an_equal_part(make_specs, a
         assert team.coordination.part(team.now, 0) == pytest.approx(0.1, rel=0.1)
 
 
-@pytest.mark.parametrize(("robots", "follows"), [(10, True), (4, False)], ids=["words take long", "words are cheap"])
-def test_who_agreed_with_one_that_gave_up_does_so_too_where_words_take_long(make_specs, robots, follows):
-    """Else it would wait for slots that nobody passes on."""
-    team = Robot(make_specs("0.3 Mbit/s", window=WINDOW), names(robots - 1), send=robots)
-    others = names(robots - 1)
-    bid = (Segment(6000, 100, 4),)
-    for _ in range(40):
-        for stream in team.view.streams:
-            stream.note_generated(stream.generated + 1, Generated(team.now, 1_000, 1.0))
-        team.look(announcing=1.1, using=1.0)
-        split = team.coordination.split_in_force
-        table = 0 if split is None else split.agreement.log.newest.name
-        for other in others:
-            team.say(other, split=SplitReport(1, bid, table, 0, (), 0.0, 0), splits=True)
-        if split is not None and not split.agreement.newcomer and not split.agreement.pending:
-            break
-    assert not team.coordination.team.gave_up
-    for other in others:
-        team.say(other, splits=True)
-    team.look(announcing=1.1, using=1.0)
-    assert team.coordination.team.gave_up is follows
-
-
 @pytest.mark.parametrize(
     ("limit", "level", "gives_up"),
     [("0.3 Mbit/s", 100, True), ("8 Mbit/s", 100, False), ("0.3 Mbit/s", 160, False)],

@@ -36,15 +36,6 @@ def test_samples_without_anything_in_common_are_taken_in_at_last():
     assert tracker.rhythm.period == pytest.approx(1.0, abs=0.1)
 
 
-def test_whether_a_time_fits():
-    """It must be that of its number."""
-    tracker = followed(periodic(20))
-    assert tracker.fits(21, 25.05)
-    assert not tracker.fits(21, 25.5)
-    assert not tracker.fits(21, 26.0)
-    assert not Tracker().fits(1, 1.0)
-
-
 def test_after_a_pause_without_any_past_a_new_one_begins():
     """One sample alone has no rhythm."""
     tracker = Tracker()

@@ -355,22 +355,6 @@ def test_where_a_state_takes_long_large_streams_that_begin_together_are_told_tog
     assert len(talk.all(SendState)[-1].state.streams) == 2
 
 
-def test_a_large_team_hears_of_subscriptions_unasked(make_talk):
-    """Together, whoever comes about then; who subscribes to nothing waits until it is asked."""
-    talk = make_talk()
-    talk.tell(ev.InterestChanged(0.0, ("robot/*/camera",)))
-    many(talk, 5.0)
-    talk.said.clear()
-    talk.tell(ev.TimePassed(5.0 + TUNING.gather))
-    (told,) = talk.all(SendState)
-    assert (told.state.subscriptions, told.update) == (("robot/*/camera",), None)
-    silent = make_talk()
-    many(silent, 5.0)
-    silent.said.clear()
-    silent.tell(ev.TimePassed(5.0 + TUNING.gather))
-    assert silent.all(SendState) == []
-
-
 def test_where_a_large_team_has_equal_parts_news_of_streams_wait_for_the_allowance(make_talk):
     """Nobody plans with them."""
     talk = make_talk(coordination="split")
