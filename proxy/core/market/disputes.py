@@ -57,6 +57,11 @@ class Disputes:
         self._generated: dict[Place, int] = {}
         """How many samples streams had generated then, whether they have a turn or not."""
         self._weighed: dict[Place, Weighed] = {}
+        self._waiting: frozenset[Place] = frozenset()
+        """Those whose messages are larger than our part and wait for a turn.
+
+        Plans that counted on sending them alone let no smaller ones go: of twelve robots one was silent for a minute.
+        """
         self._market: Market | None = None
         self._new = 1
         """So many of the streams that compete are new."""
@@ -118,8 +123,9 @@ class Disputes:
         self._generated = {stream.place: stream.generated for stream in competing}
         self._new = count_new(now, competing, limits)
         rows = rows_of(now, view, view.audiences, competing, limits, new=self._new) if limits else []
-        if turns:
-            rows = [row for row in rows if row.has_room(limits)]
+        self._waiting = frozenset([row.stream.place for row in rows if turns and not row.has_room(limits)])
+        if self._waiting:
+            rows = [row for row in rows if row.stream.place not in self._waiting]
         self._market, known, presumed = None, list[_Stands](), list[_Stands]()
         if rows:
             from proxy.core.market.prices import Market
@@ -249,7 +255,8 @@ class Disputes:
             ]
         )
         self.contested = tuple([(row.use, row.deviation) for row in contested])
-        self.settled = frozenset(place for place, w in self._weighed.items() if w.standing is not Standing.CONTESTED)
+        settled = (place for place, w in self._weighed.items() if w.standing is not Standing.CONTESTED)
+        self.settled = self._waiting.union(settled)
         periods = [row.interval for row in contested if row.stream.information_type.markovian]
         few = len({row.stream.robot for row in contested}) <= TUNING.late_robots
         self.late = TUNING.late_period * min(periods, default=0.0) if few else 0.0
