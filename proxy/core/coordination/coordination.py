@@ -15,7 +15,7 @@ cost too much. Fifty robots with streams of 0.1 to 4 kB reach 96 % of a central 
 import math
 from collections.abc import Callable, Collection, Sequence
 
-from proxy.core.coordination.demands import bid
+from proxy.core.coordination.demands import bid, usual
 from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts, Turn
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
@@ -192,7 +192,8 @@ class Coordination:
             return False
         # Who asks anew and cannot tell so keeps the others from doing so, and from agreeing, until it can.
         if (due or entered) and (not split.agreement.formed or passes_at(now) <= now):
-            split.bid(now, bid(self._view, now, limits), takes=words_take(self._view, self.team.robots))
+            takes = words_take(self._view, self.team.robots)
+            split.bid(now, bid(self._view, now, limits), usual=usual(self._view, now, limits), takes=takes)
         split.advance(now, self.team.news_take(waiting), passes_at(now))
         self.formation.look(now, formed=split.agreement.formed, window=max(self._kind[0]))
         return split.exchange.has_news(now)

@@ -11,7 +11,7 @@ from proxy.core.market.standing import interval_of, rate_known, variance_of
 from proxy.core.model.lifetimes import worthless_from
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.bid import Bid
-from proxy.core.split.demand import Demand, bid_for
+from proxy.core.split.demand import Demand, bid_for, usual_message
 from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Stream
 from proxy.core.view.view import SharedView
@@ -21,6 +21,12 @@ def bid(view: SharedView, now: float, limits: Sequence[Limit]) -> Bid:
     """Return what our streams ask for of the shared limit that they need most of."""
     window = max((limit.window for limit in limits if limit.shared), default=1.0)
     return bid_for(_demands(view, now, limits, window), window, view.members.speaking + 1)
+
+
+def usual(view: SharedView, now: float, limits: Sequence[Limit]) -> int:
+    """Return what a usual message takes of a shared limit [units], of our smallest large stream; 0: none is large."""
+    window = max((limit.window for limit in limits if limit.shared), default=1.0)
+    return usual_message(_demands(view, now, limits, window), view.members.speaking + 1)
 
 
 def _demands(view: SharedView, now: float, limits: Sequence[Limit], window: float) -> Iterator[Demand]:

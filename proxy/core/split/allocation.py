@@ -40,6 +40,10 @@ class Allocation:
         """All of it together [units]."""
         return sum(self.parts.values()) + sum(slot.size for slot in self.slots)
 
+    def carries(self, tag: str, amount: int) -> bool:
+        """Whether a message that takes so much of a limit fits what a robot has [units]."""
+        return self.largest(tag) >= _needed(amount)
+
     def worth(self, bids: Mapping[str, Bid], *, divisible: bool = False) -> float:
         """Return what slots are worth to all together [utility/s]: the same to the last bit, however bids are ordered.
 

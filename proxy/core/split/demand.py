@@ -34,11 +34,25 @@ def bid_for(demands: Iterable[Demand], window: float, robots: int) -> Bid:
 
     Small messages ask for their mean and what they vary by, large ones for slots, and beyond for divisible room.
     """
-    small = min(TUNING.small_message, 0.5 / max(1, robots))
-    asking = [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]
+    small, asking = _small_message(robots), _asking(demands)
     few = _small([demand for demand in asking if max(demand.sizes) <= small], window, 1.0 / max(1, robots))
     large = [s for demand in asking if max(demand.sizes) > small for s in _large(demand, window, small)]
     return tuple(sorted(few + large, key=lambda s: (-s.level, s.quarters, s.amount))[: BOUNDS.segments])
+
+
+def usual_message(demands: Iterable[Demand], robots: int) -> int:
+    """Return what a usual message takes of the stream whose large ones are smallest [units]; 0: none is large."""
+    means = [sum(d.sizes) / len(d.sizes) for d in _asking(demands) if max(d.sizes) > _small_message(robots)]
+    return _units(UNIT * min(means)) if means else 0
+
+
+def _asking(demands: Iterable[Demand]) -> list[Demand]:
+    return [d for d in demands if d.rate > 0.0 and d.sizes and min(d.sizes) > 0.0]
+
+
+def _small_message(robots: int) -> float:
+    """Return the part of a limit up to which messages are small among so many robots."""
+    return min(TUNING.small_message, 0.5 / max(1, robots))
 
 
 def _small(demands: Sequence[Demand], window: float, equal: float) -> list[Segment]:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from proxy.core.coordination.demands import bid
+from proxy.core.coordination.demands import bid, usual
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.lifetimes import worthless_from
 from proxy.core.model.limits import limits_of
@@ -31,6 +31,14 @@ def make_view(make_specs):
 
 def asked(view):
     return bid(view, 5.0, limits_of(view.specs, 0.02, 2))
+
+
+def test_a_usual_message_is_what_large_ones_take_in_the_mean(make_view):
+    """None where all are small."""
+    view = make_view(2_000)
+    limits = limits_of(view.specs, 0.02, 2)
+    assert usual(view, 5.0, limits) == pytest.approx(UNIT * 2_000 / limits[0].limit, rel=0.01)
+    assert usual(make_view(10), 5.0, limits) == 0
 
 
 def test_small_messages_ask_for_room_for_all_of_them(make_view):

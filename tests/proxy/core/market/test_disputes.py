@@ -98,6 +98,15 @@ def test_small_samples_go_without_a_search_and_are_no_part_of_any(talk):
     assert all({m.use[0] for m in p.messages} <= {0.0, FRAME} for p in problems)
 
 
+def test_what_is_larger_than_our_part_is_no_part_of_plans(talk):
+    """It waits for a turn, and what is smaller does not wait with it."""
+    run(talk, 2.0, 4.0)
+    (limit,) = talk.core.budget.usable(4.0)
+    for part, waits in ((limit, False), (replace(limit, limit=0.9 * FRAME), True)):
+        disputes(talk).advance(4.0, (part,), alone=True, turns=True)
+        assert (("r1", "robot/r1/camera") in disputes(talk).settled) is waits
+
+
 def test_frames_compete_for_what_small_samples_leave(talk):
     """The limit of a problem is lower by the reserve, and what is booked is no traffic besides."""
     run(talk, 2.0, 4.0, send=False)

@@ -107,6 +107,18 @@ def test_who_gains_most_by_a_message_has_the_first_turn():
     assert {ring[1][0] for ring in firsts} == {"a", "b"}
 
 
+def test_a_part_or_slot_carries_a_message_that_fits():
+    """Of messages larger than the limit half is a slot."""
+    bids = {"a": (Segment(2000, 150, 4),), "b": (Segment(6000, 100, 2),), "c": (Segment(6000, 100, 2),)}
+    allocation = allocate(bids, 3, 100)
+    assert allocation.carries("a", 2000)
+    assert not allocation.carries("a", 2634)
+    assert allocation.carries("b", 6000)
+    assert not allocation.carries("b", 8000)
+    assert allocation.carries("b", UNIT)
+    assert not allocation.carries("d", 6000)
+
+
 LOW, HIGH = (Segment(6000, 100, 2),), (Segment(6000, 132, 2),)
 
 

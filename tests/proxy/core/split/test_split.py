@@ -310,6 +310,18 @@ def test_a_bid_that_changes_nobodys_part_is_not_told():
     assert split.bid(flight.clock("r0") + 60.0, (Segment(9000, 180),))
 
 
+def test_a_robot_whose_usual_messages_are_a_bit_larger_than_its_part_asks_anew():
+    """However little they differ from what it asked for: else it is silent. Not where a few are larger."""
+    flight = Flight(1, 2, bids=lambda _: SMALL, rest=0.0)
+    flight.demand = {"r0": (Segment(867, 90, 4),), "r1": (Segment(9900, 80),)}
+    settle(flight, 4.0)
+    split = flight.splits["r0"]
+    assert parts(flight)["r0"] == 867
+    assert not split.bid(flight.clock("r0") + 60.0, (Segment(800, 90, 4),), usual=760)
+    assert not split.bid(flight.clock("r0") + 60.0, (Segment(940, 90, 4),), usual=860)
+    assert split.bid(flight.clock("r0") + 60.0, (Segment(940, 90, 4),), usual=900)
+
+
 def test_a_large_team_keeps_equal_parts_and_says_nothing():
     """But for who could not send any of its messages in that."""
     flight = Flight(1, 4, bids=lambda _: (Segment(2000, 120), Segment(9000, 120, 4)), rest=0.0)
