@@ -235,9 +235,9 @@ def both(one: Sequence[float], other: Sequence[float]) -> tuple[float, ...]:
 def first_at(now: float, view: SharedView, stream: Stream, limits: tuple[Limit, ...]) -> float:
     """Return when a large stream of ours that has just begun may send, for all that others may do [s]; −∞: now.
 
-    Robots that may begin together send in turn, by the wall clock and their names, so far apart that each hears of
-    those before: eight with cameras filled the first windows to 1.7 to 2.9 limits, and to 1.0 to 1.4 now (simulation).
-    Four lost small samples in 5 of 24 flights where each counted from its own beginning, and lose them in one.
+    Robots that may begin together send in turn, by the wall clock and their names, so that each hears of those before
+    where clocks agree to some milliseconds: eight with cameras filled the first windows to 1.7 to 2.9 limits, and to
+    1.0 to 1.4 now (simulation). Four lost small samples in 5 of 24 flights where each counted from its own beginning.
     """
     if now >= stream.began + TUNING.first_time:
         return -math.inf
@@ -247,7 +247,8 @@ def first_at(now: float, view: SharedView, stream: Stream, limits: tuple[Limit, 
     if len(others - sent) <= TUNING.first_few:
         return -math.inf
     names = sorted({*others, stream.robot})
-    apart = min(max(TUNING.first_apart, news_take(view)), TUNING.first_time / len(names))
-    cycle, place, wall = len(names) * apart, names.index(stream.robot) / len(names), now + view.clocks.offset
+    cycle, place, wall = TUNING.first_time, names.index(stream.robot) / len(names), now + view.clocks.offset
     began = (math.floor(wall / cycle - place) + place) * cycle
-    return -math.inf if wall < began + TUNING.first_part * apart else began + cycle - view.clocks.offset
+    if wall < began + TUNING.first_part * cycle / len(names):
+        return -math.inf
+    return min(began + cycle - view.clocks.offset, stream.began + TUNING.first_time)

@@ -140,10 +140,8 @@ class CoordinationTuning:
     """Who begins to send lets others that may begin at the same moment go first for so long at most [s]..."""
     first_few: int = 2
     """... where more than so many may: two robots and an operator filled one first window of eight to 1.3 limits..."""
-    first_apart: float = 0.045
-    """... each so much after the one before, or by as much as news take where that is longer [s]..."""
     first_part: float = 0.2
-    """... in this part of that time, so that the next one hears of it."""
+    """... each in this part of its turn, so that the next one hears of it."""
     claim_worth: float = 0.2
     """Of what a sample is worth by itself this part counts in a claim."""
     claim_tolerance: float = 0.003

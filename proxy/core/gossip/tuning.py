@@ -125,7 +125,7 @@ class GossipTuning:
     """... or so long [s]: of eight to twelve robots that begin on 0.3 Mbit/s each told of its streams one by one, for
     30 s of the allowance, and was silent after that (92.1 % of central for 91.7; three of them 68 to 80, 76 to 81)."""
     gather: float = 0.25
-    """New streams that are not large are announced so late, together [s]; large ones at once, ahead of the allowance:
+    """New streams that are not large are announced so late, together [s]; large ones as soon as states may follow:
     else eight robots knew of each other's cameras after 2 to 5 s."""
     review_every: float = 1.0
     """While samples come, our state is looked at this often: whether the periods are still right [s]."""

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
 _Sends = tuple[list[Send], list[Send]]
 """Of others, and of us."""
-_Stands = tuple[Row, Weighed]
-"""A stream, and how it stands."""
 
 
 class Disputes:
@@ -60,7 +58,7 @@ class Disputes:
         self._waiting: frozenset[Place] = frozenset()
         """Those whose messages are larger than our part and wait for a turn.
 
-        Plans that counted on sending them alone let no smaller ones go: of twelve robots one was silent for a minute.
+        Plans that counted on sending them alone let no smaller ones go: of twelve robots one was silent for 109 s.
         """
         self._market: Market | None = None
         self._new = 1
@@ -126,18 +124,16 @@ class Disputes:
         self._waiting = frozenset([row.stream.place for row in rows if turns and not row.has_room(limits)])
         if self._waiting:
             rows = [row for row in rows if row.stream.place not in self._waiting]
-        self._market, known, presumed = None, list[_Stands](), list[_Stands]()
+        places = [row.stream.place for row in rows]
+        self._market, weighed = None, list[Weighed]()
         if rows:
             from proxy.core.market.prices import Market
 
-            every = [*rows, *([] if alone else self._presumed(rows, self._little_known(now, rows)))]
-            self._market, steady = Market.of(every, limits, view.settings.horizon, rates(now) if rates else ())
-            weighed = self._market.weigh(every, steady)
-            stand = list(zip(every, weighed, strict=True))
-            known, presumed = stand[: len(rows)], stand[len(rows) :]
-        self._weighed = {row.stream.place: w for row, w in known}
+            self._market, steady = Market.of(rows, limits, view.settings.horizon, rates(now) if rates else ())
+            weighed = self._market.weigh(rows, steady)
+        self._weighed = dict(zip(places, weighed, strict=True))
         self.revision += 1
-        self._book(known, presumed)
+        self._book(now, list(zip(rows, weighed, strict=True)))
 
     def _knew_little(self, stream: Stream) -> bool:
         """Whether far more is known of a stream now than when it was weighed how streams stand."""
@@ -222,8 +218,8 @@ class Disputes:
                 left.append((t, use))
         return tuple(left)
 
-    def _book(self, rows: Sequence[_Stands], presumed: Sequence[_Stands]) -> None:
-        """Book what is no decision, of the streams that are known and of those that robots are `presumed` to have."""
+    def _book(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> None:
+        """Book what is no decision."""
         limits = self._limits
         contested = [row for row, w in rows if w.standing is Standing.CONTESTED]
         load, apart = load_of(rows)
@@ -232,7 +228,7 @@ class Disputes:
         booked = reserve(load, apart, limits)
         others = [(row, time) for row, time in zip(load, apart, strict=True) if not self._own(row.stream)]
         self.under_way = UnderWay.of(others, len(limits))
-        beside = reserve(*load_of(presumed), limits, deviations=0.0)
+        presumed = self._presumed(now, load, apart, self._untold(now, rows))
         kept = [
             max(
                 (r.use[k] - TUNING.smaller_deviations * r.deviation[k] for r in contested if r.use[k] <= c.limit),
@@ -243,7 +239,7 @@ class Disputes:
         self.booked = tuple(
             [
                 min(amount + more, TUNING.booked * c.limit, c.limit - keep)
-                for amount, more, c, keep in zip(booked, beside, limits, kept, strict=True)
+                for amount, more, c, keep in zip(booked, presumed, limits, kept, strict=True)
             ]
         )
         self.sent = reserve(load, apart, limits, deviations=0.0)
@@ -267,54 +263,40 @@ class Disputes:
             occupies = pace_part(self._view, largest.stream, limits) * at_pace(largest.use, limits)
             self.stretched = TUNING.paced_ahead * occupies
 
-    def _presumed(self, rows: Sequence[Row], robots: set[str]) -> list[Row]:
-        """Return what these robots use beside what is known of them, if their small streams are as ours.
+    def _untold(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> set[str]:
+        """Return the robots of which news are so late that nobody knows how often they generate what they do.
 
-        Eight robots that met had 20 to 40 % of the first 6 s of windows over the limit without it, 1 to 5 % with it.
-        Prices count it, too: twelve robots with small samples alone filled the first windows to 1.6, and to 0.9 now.
-        """
-        me = self._view.settings.robot
-        small = [row for row in rows if row.takes_at_most(TUNING.small, self._limits)]
-        rates = {robot: sum(self._rate(row) for row in small if row.stream.robot == robot) for robot in (me, *robots)}
-        ours, found = [self._as_others(row) for row in small if row.stream.robot == me], list[Row]()
-        for robot in sorted(robots):
-            if (lacking := rates[me] - rates[robot]) > 0.0:
-                found += [row._replace(interval=row.interval * rates[me] / lacking) for row in ours]
-        return found
-
-    def _rate(self, row: Row) -> float:
-        """Return what part of a shared limit the samples of a stream would take in the mean, at most."""
-        parts = [use * c.window / c.limit for use, c in zip(row.use, self._limits, strict=True) if c.shared]
-        return max(parts, default=0.0) / row.interval
-
-    def _as_others(self, row: Row) -> Row:
-        """Return a stream of ours as if another robot had it: it uses nothing of what is ours alone."""
-        use, deviation = (
-            tuple([amount if c.shared else 0.0 for amount, c in zip(amounts, self._limits, strict=True)])
-            for amounts in (row.use, row.deviation)
-        )
-        return row._replace(use=use, deviation=deviation)
-
-    def _little_known(self, now: float, rows: Sequence[Row]) -> set[str]:
-        """Return the robots that were met lately, or whose news are late, and nobody knows how often they generate.
-
-        Not who says in time that nothing is new, nor a plain node, which says nothing: they may send little else.
+        Not one that says in time that nothing is new, nor a plain node, which says nothing: they may send little else.
         Twelve robots that may tell 1.3 kB/s had 65 % of the windows over the limit without it, and 1 % with it.
         """
-        newcomers, until = self._view.newcomers, self._view.staleness.reported_until
-        window = min([limit.window for limit in self._limits], default=0.0)
-        known, unknown, untold = set[str](), set[str](), set[str]()
-        for stream, interval, *_ in rows:
-            if self._own(stream) or stream.robot.startswith(PLAIN):
-                continue
-            if rate_known(now, stream, window):
-                known.add(stream.robot)
-                continue
-            unknown.add(stream.robot)
-            if now > max(stream.newest.t_gen, until(stream.robot, -math.inf)) + TUNING.untold * interval:
-                untold.add(stream.robot)
-        met = {peer.robot for peer in newcomers.met_lately(now) if not newcomers.only_listens(peer)}
-        return met - (known - unknown) | untold
+        window, until = min([limit.window for limit in self._limits], default=0.0), self._view.staleness.reported_until
+        return {
+            stream.robot
+            for (stream, interval, *_), _ in rows
+            if not (self._own(stream) or stream.robot.startswith(PLAIN))
+            and not rate_known(now, stream, window)
+            and now > max(stream.touched, until(stream.robot, -math.inf)) + TUNING.untold * interval
+        }
+
+    def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float], untold: set[str]) -> Amounts:
+        """What robots that were met lately, or are `untold`, use of each limit beside what is known, if they are as we.
+
+        Eight robots that met had 20 to 40 % of the first 6 s of windows over the limit without it, 1 to 5 % with it.
+        """
+        limits, me = self._limits, self._view.settings.robot
+        met = list[str]()
+        if not self._alone:
+            listens, lately = self._view.newcomers.only_listens, self._view.newcomers.met_lately(now)
+            met = sorted(untold.union(peer.robot for peer in lately if not listens(peer)))
+        uses = {robot: [0.0] * len(limits) for robot in (me, *met)}
+        for row, interval in zip(load, apart, strict=True):
+            if (use := uses.get(row.stream.robot)) is not None:
+                for k, c in enumerate(limits):
+                    use[k] += row.use[k] * c.window / interval
+        lacking = [
+            [max(0.0, ours - theirs) for ours, theirs in zip(uses[me], uses[robot], strict=True)] for robot in met
+        ]
+        return tuple([sum(each[k] for each in lacking) if c.shared else 0.0 for k, c in enumerate(limits)])
 
     def _used(self, now: float) -> Amounts:
         """Return what was sent of what is booked in the windows that end now."""

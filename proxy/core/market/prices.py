@@ -75,40 +75,43 @@ class Market:
             for row, of_last, of_first, best, price, least, most in zip(rows, *each, strict=True)
         ]
         if not self.fits and not any(self.prices):
-            return self._without_surplus(rows, weighed)
+            return self._without_surplus(rows, steady, weighed)
         return self._with_the_rest(rows, steady, weighed)
 
-    def _without_surplus(self, rows: Sequence[Row], weighed: list[Weighed]) -> list[Weighed]:
+    def _without_surplus(self, rows: Sequence[Row], steady: Steady, weighed: list[Weighed]) -> list[Weighed]:
         """Let streams of which every sample is not needed send less often, where nothing has a price and not all fits.
 
-        They share what the others leave. Of two robots with status of 11 Hz, each of which does for 20 s, and poses of
-        2 Hz a fourth of the poses found no room.
+        They share what the others leave of the limits that they use, as far as that costs them nothing. Of two robots
+        with status of 11 Hz, each of which does for 20 s, and poses of 2 Hz a fourth of the poses found no room.
         """
+        least = (1.0 - TUNING.needless) * steady.value.max(axis=1, keepdims=True)
+        longest = (INTERVALS * (steady.value >= least)).max(axis=1).tolist()
         idle = {
-            at
-            for at, (row, w) in enumerate(zip(rows, weighed, strict=True))
+            at: times
+            for at, (row, w, times) in enumerate(zip(rows, weighed, longest, strict=True))
             if w.standing is Standing.UNDISPUTED
-            and w.least <= TUNING.needless * w.most
+            and times > 1.0
             and row.stream.information_type.markovian
             and row.stream.generated >= TUNING.rhythm_samples
         }
-        others = [(row, w) for at, (row, w) in enumerate(zip(rows, weighed, strict=True)) if at not in idle]
+        if not idle:
+            return weighed
         sharing = [rows[at] for at in idle]
         asked = reserve(sharing, [row.interval for row in sharing], self.limits, deviations=0.0)
-        used = reserve(*load_of(others), self.limits)
-        often = max(
-            [
-                each / max(TUNING.offered * c.limit - amount, TUNING.smallest * c.limit)
-                for each, amount, c in zip(asked, used, self.limits, strict=True)
-            ],
-            default=0.0,
+        used = reserve(
+            *load_of(each for at, each in enumerate(zip(rows, weighed, strict=True)) if at not in idle), self.limits
         )
-        if often <= 1.0:
-            return weighed
-        return [
-            w._replace(standing=Standing.PRICED, apart=math.ceil(often) * w.interval) if at in idle else w
-            for at, w in enumerate(weighed)
+        often = [
+            each / max(TUNING.offered * c.limit - amount, TUNING.smallest * c.limit)
+            for each, amount, c in zip(asked, used, self.limits, strict=True)
         ]
+        found = list(weighed)
+        for at, times in idle.items():
+            tight = max([part for part, use in zip(often, rows[at].use, strict=True) if use > 0.0], default=0.0)
+            if tight > 1.0:
+                apart = min(math.ceil(tight), times) * weighed[at].interval
+                found[at] = weighed[at]._replace(standing=Standing.PRICED, apart=apart)
+        return found
 
     def _with_the_rest(self, rows: Sequence[Row], steady: Steady, weighed: list[Weighed]) -> list[Weighed]:
         """Let priced streams send more often, where as many whole contested messages fit beside that as before.

@@ -97,7 +97,15 @@ def rows_of(
     """Return a row of each of the streams, which compete for these limits; so many that compete are `new`."""
     of, copies, robot = audiences.of, view.subscribers.copies, view.settings.robot
     return [
-        row_of(known_until(now, view, s), s, of(now, s), copies(s), limits, own=s.robot == robot, new=new)
+        row_of(
+            s.touched if s.robot != robot and _is_periodic(s) else now,
+            s,
+            of(now, s),
+            copies(s),
+            limits,
+            own=s.robot == robot,
+            new=new,
+        )
         for s in streams
     ]
 

@@ -43,7 +43,7 @@ class MarketTuning:
     cheaper: tuple[float, ...] = (0.0, 0.1, 0.2, 0.4, 0.7)
     """Room that whole messages leave over costs the first of these parts of its price for which it is enough."""
     needless: float = 1e-6
-    """Of a stream whose last sample earns no more than this part of what its first does not every one is needed."""
+    """Of a stream that earns less by no more than this part where it sends less often not every sample is needed."""
     hopeless: float = 0.3
     """A stream is hopeless when its first sample earns no more than this part of the price."""
     reserve_deviations: float = 2.0

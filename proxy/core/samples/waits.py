@@ -115,7 +115,8 @@ class Waits:
         until = sample.t_gen + self._disputes.patience(stream, standing)
         if now >= until:
             return False
-        priced = not contested and self._disputes.weighed(stream).standing is Standing.PRICED
+        weighed = self._disputes.weighed(stream)
+        priced = not contested and weighed.standing is Standing.PRICED and weighed.cost > 0.0
         leads = (
             (contested or priced) and not self._budget.alone and appraisal.claims.lead(now, stream, self._budget.limits)
         )
@@ -129,7 +130,7 @@ class Waits:
             needed = self._disputes.besides(now, use)
         else:
             needed = use if self._budget.alone else self._disputes.under_way.beside(use, news_take(self._view))
-        alarm = not stream.information_type.markovian and (not contested or self._disputes.weighed(stream).outweighs)
+        alarm = not stream.information_type.markovian and (not contested or weighed.outweighs)
         room = self._budget.opens(now, use, needed, anybodys=leads or alarm)
         if leads and room > now:
             room += opening(self._view)

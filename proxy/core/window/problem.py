@@ -76,7 +76,7 @@ def problem(now: float, started: float, contents: Contents, limits: Limits) -> P
         messages += _facts(c, now, nothing)
     for m in demanded:
         t_sent = max(m.t_gen, now)
-        received = max(t_sent + m.latency, 0.0)
+        received = t_sent + m.latency
         messages.append(Message(m.place, m.t_gen, t_sent, received, m.utility, m.scale, nothing, sent=True))
     t_sent, t_rcv = -math.inf, [-math.inf] * len(candidates)
     for t_gen, place, earliest, latency, utility, scale, use, is_current in opened:

@@ -1,5 +1,7 @@
 """How streams stand at the price of what they compete for."""
 
+from dataclasses import replace
+
 import pytest
 
 from planner import Aggregation, Throughput
@@ -35,6 +37,10 @@ utility = { kind = "linear", slope = 1.0 }
 name = "status"
 keys = ["status"]
 utility = { kind = "step", lifetime = "20 s" }
+[[information_type]]
+name = "fresh"
+keys = ["fresh"]
+utility = { kind = "step", lifetime = "350 ms" }
 [[information_type]]
 name = "finding"
 keys = ["finding"]
@@ -115,6 +121,25 @@ def test_samples_that_are_not_needed_leave_the_others_room(make_row, size, gener
     assert pose.standing is Standing.UNDISPUTED
     assert [each.apart / each.interval for each in found] == pytest.approx([apart] * 4)
     assert (found[0].standing is Standing.PRICED) is (apart > 1)
+
+
+def test_no_sample_that_is_needed_is_left_out(make_row):
+    """Status that does for three intervals goes at least every third time, however little others leave."""
+    status = [make_row("fresh", 10.0, 4_000) for _ in range(4)]
+    found = weighed(*status, *(make_row("odometry", 10.0, 1_000) for _ in range(10)))[:4]
+    assert {round(each.apart / each.interval) for each in found} <= {1, 2, 3}
+
+
+def test_a_limit_of_our_own_leaves_the_streams_of_others_as_they_are(make_row):
+    """They use nothing of it, and do not know it."""
+    limits = LIMIT, replace(LIMIT, name="energy", limit=5_000.0)
+    ours = [make_row("status", 50.0, 100)._replace(use=(100.0, 100.0), deviation=(0.0, 0.0))] * 3
+    theirs = [make_row("status", 50.0, 100)._replace(use=(100.0, 0.0), deviation=(0.0, 0.0))]
+    rows = [*ours, *theirs]
+    market, steady = Market.of(rows, limits, HORIZON)
+    own, *_, other = market.weigh(rows, steady)
+    assert own.apart > own.interval
+    assert other.standing is Standing.UNDISPUTED
 
 
 def test_small_samples_take_no_more_than_may_be_booked(make_row):
