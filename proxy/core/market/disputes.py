@@ -58,7 +58,7 @@ class Disputes:
         self._waiting: frozenset[Place] = frozenset()
         """Those whose messages are larger than our part and wait for a turn.
 
-        Plans that counted on sending them alone let no smaller ones go: of twelve robots one was silent for 109 s.
+        Plans that counted on sending them let no smaller ones go: of twelve robots three were silent for 16 s, none 5.
         """
         self._market: Market | None = None
         self._new = 1

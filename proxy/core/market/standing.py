@@ -94,7 +94,10 @@ def rows_of(
     *,
     new: int,
 ) -> list[Row]:
-    """Return a row of each of the streams, which compete for these limits; so many that compete are `new`."""
+    """Return a row of each of the streams, which compete for these limits; so many that compete are `new`.
+
+    What others do not tell of goes on as it did, if it has a rhythm: else windows of eight robots were over by 5 %.
+    """
     of, copies, robot = audiences.of, view.subscribers.copies, view.settings.robot
     return [
         row_of(
@@ -113,9 +116,8 @@ def rows_of(
 def known_until(now: float, view: SharedView, stream: Stream) -> float:
     """Return until when it is known what a stream generated [s]: of ours that is now.
 
-    What others do not tell of goes on as it did, if it has a rhythm: else windows of eight robots were over the limit
-    by 5 %. Nor is silent who has not told anything since: streams of which one sample was known for 10 s counted as so
-    many times as seldom as they are, and announcing seemed to be cheap again where nobody announced.
+    What has a rhythm goes on whatever its robot tells, and without one nobody is silent who has not told anything
+    since: where nobody announced, all seemed to send seldom, and announcing to be cheap again.
     """
     if stream.robot == view.settings.robot:
         return now
