@@ -80,6 +80,9 @@ def test_reloads_lose_and_double_nothing(stack, tmp_path):
         for number in range(RELOADS):
             file.write_text(KINDS[number % len(KINDS)] + f"# {number}\n")
             assert daemon.reloading.reload(f"reload {number}") == ()
+            if number < len(KINDS):
+                came = counts_of(app)["in"]
+                wait_until(lambda came=came: counts_of(app)["in"] > came, what="a sample that each kind decides on")
     finally:
         publisher.stop()
     assert daemon.reloading.describe()["done"] == RELOADS
