@@ -77,3 +77,18 @@ def alike(one: Bid, other: Bid, part: float = 0.25) -> bool:
         a.quarters == b.quarters and abs(a.level - b.level) <= 1 and abs(a.amount - b.amount) <= part * a.amount
         for a, b in zip(one, other, strict=True)
     )
+
+
+def alike_but_for_slots(one: Bid, other: Bid) -> bool:
+    """Whether a robot asks for slots in both, which are worth about as much to it, and all else is alike and little."""
+    parts = [tuple(segment for segment in bid if not segment.quarters) for bid in (one, other)]
+    before, after = ([segment for segment in bid if segment.quarters] for bid in (one, other))
+    if not (before and after and few_parts(other) and alike(parts[0], parts[1])):
+        return False
+    low, high = sorted(sum(s.asked * density_of(s.level) for s in slots) for slots in (before, after))
+    return high <= TUNING.slots_alike * low
+
+
+def few_parts(bid: Bid) -> bool:
+    """Whether a robot asks for little that is divisible: what more of that is worth to it is not known as well."""
+    return sum(segment.amount for segment in bid if not segment.quarters) <= TUNING.few_parts

@@ -59,6 +59,10 @@ class ProtocolTuning:
     """For how long no slot was used, at most [ticks]."""
     askable: int = 64
     """Of so many robots of a team one can ask again."""
+    slots_alike: float = 2.0
+    """Slots are worth about as much where it is up to so many times."""
+    few_parts: int = 500
+    """So much is little beside slots [units]: else five robots of random sizes reached 79 % of central, not 87."""
 
 
 TUNING = ProtocolTuning()

@@ -62,6 +62,14 @@ class Allocation:
         shared = (slot.size * dict(slot.ring).get(tag, 0) / sum(turn for _, turn in slot.ring) for slot in self.slots)
         return self.parts.get(tag, 0) + sum(shared)
 
+    def resembles(self, other: "Allocation") -> bool:
+        """Whether the same robots share the same slots, and all amounts are about the same."""
+        if [sorted(slot.ring) for slot in self.slots] != [sorted(slot.ring) for slot in other.slots]:
+            return False
+        sizes = [(one.size, two.size) for one, two in zip(self.slots, other.slots, strict=True)]
+        amounts = [*sizes, *((part, other.parts.get(tag, -UNIT)) for tag, part in self.parts.items())]
+        return all(abs(one - two) <= TUNING.alike_part * max(one, two) + TUNING.alike_units for one, two in amounts)
+
 
 def worth_of_equal(bids: Mapping[str, Bid]) -> float:
     """Return what slots would be worth to all together that each had an equal part of, as `Allocation.worth` does."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Sequence
 
-from proxy.core.protocol.bid import UNIT, Bid, alike
+from proxy.core.protocol.bid import UNIT, Bid, alike, alike_but_for_slots, few_parts
 from proxy.core.protocol.split_report import SplitReport
 from proxy.core.split.agreement import Agreement
 from proxy.core.split.allocation import worth_of_equal
@@ -30,16 +30,23 @@ def outdoes_equal(agreement: Agreement) -> bool:
 
 
 def indifferent(agreement: Agreement, bid: Bid, takes: float = 0.0) -> bool:
-    """Whether less is gained if all agree on this bid than rests while they do, which `takes` so long [s].
+    """Whether little would be gained if all agreed on this bid: about what each has, or slots alone change hands.
 
-    Not of who asked for nothing so far, nor where somebody's bid is not known.
+    Or less than slots are worth that rest while all agree, which `takes` so long [s].
     """
-    bids = _bids_with(agreement, bid)
-    if not agreement.bid[1] or bids is None:
+    if (bids := _bids_with(agreement, bid)) is None:
         return False
     newest = agreement.log.newest
-    before, after = (each.worth(bids, divisible=True) for each in (newest.allocation, newest.allocated(bids)))
-    return max(0.0, after - before) < takes / TUNING.gains_for * before
+    had, allocation = newest.allocation, newest.allocated(bids)
+    if allocation.resembles(had):
+        return True
+    before, after = had.worth(bids, divisible=True), allocation.worth(bids, divisible=True)
+    if agreement.bid[1] and max(0.0, after - before) < takes / TUNING.gains_for * before:
+        return True
+    slots = alike_but_for_slots(agreement.bid[1], bid) and all(map(few_parts, bids.values()))
+    if not slots or allocation.largest(agreement.own) > TUNING.message_growth * had.largest(agreement.own):
+        return False
+    return allocation.worth(bids) < (1.0 + TUNING.slot_gain) * had.worth(bids)
 
 
 def starves(agreement: Agreement, bid: Bid, usual: int) -> bool:

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from proxy.core.protocol.bid import UNIT, Segment, alike, level_of, packed, unpacked
+from proxy.core.protocol.bid import UNIT, Segment, alike, alike_but_for_slots, level_of, packed, unpacked
 
 segments = st.builds(Segment, st.integers(1, UNIT), st.integers(0, 255), st.sampled_from([0, 1, 2, 4]))
 
@@ -47,3 +47,17 @@ def test_noise_makes_no_other_bid():
     assert not alike(bid, (Segment(100, 52), Segment(2000, 40, 1)))
     assert not alike(bid, bid[:1])
     assert not alike(bid, (Segment(100, 50), Segment(2000, 40, 2)))
+
+
+LOW, HIGH = (Segment(6000, 100, 4),), (Segment(6000, 116, 4),)
+
+
+def test_bids_are_alike_but_for_slots_where_these_are_worth_about_as_much():
+    """And all else is little, and as before."""
+    few, many, parts = (Segment(300, 150),), (Segment(400, 150),), (Segment(600, 150),)
+    assert alike_but_for_slots((*few, *LOW), (*few, Segment(6000, 103, 4)))
+    assert not alike_but_for_slots((*few, *LOW), (*few, *HIGH))
+    assert not alike_but_for_slots((*few, *LOW), (*many, *LOW))
+    assert not alike_but_for_slots((*parts, *LOW), (*parts, *LOW))
+    assert not alike_but_for_slots(few, (*few, *LOW))
+    assert not alike_but_for_slots(few, few)

@@ -119,6 +119,19 @@ def test_a_part_or_slot_carries_a_message_that_fits():
     assert not allocation.carries("d", 6000)
 
 
+def test_allocations_resemble_each_other_where_amounts_are_nearly_the_same():
+    """And the same robots share the same slots."""
+
+    def made(size=4000, small=300, who="ab"):
+        return allocate({tag: (Segment(small, 150), Segment(size, 100, 2)) for tag in who}, len(who), 100)
+
+    assert made().resembles(made(4200, 320))
+    assert not made().resembles(made(5200))
+    assert not made(7000).resembles(made(7000, 1500))
+    assert not made().resembles(made(who="abc"))
+    assert not made(9000, who="ab").resembles(made(9000, who="ac"))
+
+
 LOW, HIGH = (Segment(6000, 100, 2),), (Segment(6000, 132, 2),)
 
 

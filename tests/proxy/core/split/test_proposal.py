@@ -21,8 +21,8 @@ def test_all_agree_on_other_slots_where_that_is_worth_it():
     assert not a.pending
     for level, ring in ((97, {"a": 1, "b": 3}), (103, {"a": 3, "b": 1})):
         assert dict(a.log.newest.allocated({"a": frames(level), "b": frames(100)}).slots[0].ring) == ring
-        assert indifferent(a, frames(level), 0.1 * TUNING.gains_for)
-    assert not indifferent(a, frames(130), 0.1 * TUNING.gains_for)
+        assert indifferent(a, frames(level))
+    assert not indifferent(a, frames(110))
 
 
 def test_where_it_takes_long_to_agree_all_have_to_gain_more_by_that():
@@ -50,6 +50,28 @@ def test_slots_that_are_a_bit_smaller_than_what_is_asked_for_are_worth_something
     worth = had.worth({"a": usual, "b": usual})
     assert had.worth({"a": (Segment(6500, 100, 2),), "b": usual}) > worth
     assert had.worth({"a": (Segment(7000, 100, 2),), "b": usual}) == pytest.approx(worth / 2.0)
+
+
+def test_a_larger_message_is_asked_for_though_all_together_gain_little():
+    """And divisible room, whose worth is not known as well, is never left to slots."""
+    robots = [robot(tag, "abcdefghij".replace(tag, "")) for tag in "abcdefghij"]
+    for each in robots:
+        each.ask(0.0, (Segment(900, 100, 4),))
+    agree(0.1, *robots)
+    first, second, *_ = robots
+    larger = (Segment(1300, 94, 4),)
+    bids = {each.own: each.bid[1] for each in robots} | {first.own: larger}
+    assert first.log.newest.allocated(bids).worth(bids) < (1.0 + TUNING.slot_gain) * first.log.newest.allocation.worth(
+        bids
+    )
+    assert not indifferent(first, larger)
+    for each in robots:
+        each.ask(0.2, (Segment(2000, 100, 4),))
+    agree(0.3, *robots)
+    assert indifferent(first, (Segment(2000, 98, 4),))
+    second.ask(0.4, (Segment(900, 100),))
+    agree(0.5, *robots)
+    assert not indifferent(first, (Segment(2000, 98, 4),))
 
 
 def test_parts_outdo_equal_ones_where_what_few_ask_for_is_worth_more():

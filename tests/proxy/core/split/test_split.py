@@ -271,7 +271,7 @@ def test_a_bid_changes_when_all_agree_and_it_differs_enough():
     flight = fleet(2)
     split, now = flight.splits["r0"], flight.clock("r0")
     assert not split.bid(now, (Segment(330, 151),))
-    assert not split.bid(now, (Segment(900, 150),), takes=0.1)  # there is room for it as it is
+    assert not split.bid(now, (Segment(900, 150),))  # there is room for it as it is
     flight.demand["r0"] = (Segment(9000, 150),)
     assert split.bid(now, flight.demand["r0"])
     assert not split.bid(now + 9.0, SMALL)
@@ -306,7 +306,7 @@ def test_a_bid_that_changes_nobodys_part_is_not_told():
     """However else it differs."""
     flight = fleet(2, (Segment(4000, 100),))
     split = flight.splits["r0"]
-    assert not split.bid(flight.clock("r0") + 60.0, (Segment(4000, 180),), takes=0.1)
+    assert not split.bid(flight.clock("r0") + 60.0, (Segment(4000, 180),))
     assert split.bid(flight.clock("r0") + 60.0, (Segment(9000, 180),))
 
 
