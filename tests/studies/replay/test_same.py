@@ -138,7 +138,7 @@ def middle(tmp_path_factory):
         fly((one, two), 600, searches=20)
         one.told("stop")
         one.told("start")
-        fly((one,), 200, beside=two, searches=20)
+        fly((one, two), 200, searches=20)
         one.told("stop")
     return folder / "recordings"
 
