@@ -94,23 +94,9 @@ def rows_of(
     *,
     new: int,
 ) -> list[Row]:
-    """Return a row of each of the streams, which compete for these limits; so many that compete are `new`.
-
-    What others do not tell of goes on as it did, if it has a rhythm: else windows of eight robots were over by 5 %.
-    """
+    """Return a row of each of the streams, which compete for these limits; so many that compete are `new`."""
     of, copies, robot = audiences.of, view.subscribers.copies, view.settings.robot
-    return [
-        row_of(
-            s.touched if s.robot != robot and _is_periodic(s) else now,
-            s,
-            of(now, s),
-            copies(s),
-            limits,
-            own=s.robot == robot,
-            new=new,
-        )
-        for s in streams
-    ]
+    return [row_of(now, s, of(now, s), copies(s), limits, own=s.robot == robot, new=new) for s in streams]
 
 
 def known_until(now: float, view: SharedView, stream: Stream) -> float:
@@ -126,12 +112,13 @@ def known_until(now: float, view: SharedView, stream: Stream) -> float:
 
 
 def row_of(
-    until: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
+    now: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
 ) -> Row:
     """Return a stream whose samples go to this audience, in so many copies, as a row; so many are `new`.
 
-    It is known `until` then what it generated [s].
+    What others do not tell of goes on as it did: else windows of eight robots were over the limit by 5 %.
     """
+    until = stream.touched if not own and _is_periodic(stream) else now
     size = round(stream.sizes.mean)
     use = more = use_of(size, copies, limits, own=own)
     if spread := round(stream.sizes.deviation):

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from planner import Aggregation, Throughput
+from planner import Aggregation, Receiver, Throughput
 from proxy.core.market.prices import Market
-from proxy.core.market.standing import Row, Standing, count_new, interval_of, reserve
+from proxy.core.market.standing import Row, Standing, count_new, interval_of, reserve, row_of
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
+from proxy.core.view.audience import Audience
 from proxy.core.view.stream import Generated, Sent, Stream
 
 HORIZON = 120
@@ -199,6 +200,15 @@ def test_of_many_new_streams_not_all_generate_more_than_expected(make_row):
     assert alone == pytest.approx(1.0 / 3.0)
     assert among > 1.7
     assert count_new(9.0, [make_row("odometry", 20.0, 116).stream], (LIMIT,)) == 1
+
+
+def test_what_others_do_not_tell_of_goes_on_as_it_did(make_row):
+    """They tell of few streams at a time; of our own we know that they are silent."""
+    stream = make_row("odometry", 20.0, 116, generated=6).stream
+    stream.touch(0.25)
+    audience = Audience.of(116, 0.01, 0.0, (Receiver(),))
+    intervals = [row_of(9.0, stream, audience, 1, (LIMIT,), own=own).interval for own in (False, True)]
+    assert intervals == pytest.approx([0.05, 9.0 / 8])
 
 
 def test_what_shows_too_much_is_not_hopeless(make_row):
