@@ -10,6 +10,7 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from proxy.core.market.presumed import Presumed
 from proxy.core.market.room import at_pace, pace_part
 from proxy.core.market.standing import (
     UNKNOWN,
@@ -20,7 +21,6 @@ from proxy.core.market.standing import (
     Weighed,
     count_new,
     load_of,
-    rate_known,
     reserve,
     rows_of,
 )
@@ -29,7 +29,6 @@ from proxy.core.model.lifetimes import half_life
 from proxy.core.model.limits import Limit, Send, longest_window, use_of
 from proxy.core.model.waiting import Waiting
 from proxy.core.view.stream import Place, Sent, Stream, excess
-from proxy.core.view.streams import PLAIN
 from proxy.core.view.view import SharedView
 
 if TYPE_CHECKING:
@@ -126,14 +125,24 @@ class Disputes:
             rows = [row for row in rows if row.stream.place not in self._waiting]
         places = [row.stream.place for row in rows]
         self._market, weighed = None, list[Weighed]()
+        presumed = Presumed(view.settings.robot, limits)
         if rows:
             from proxy.core.market.prices import Market
 
-            self._market, steady = Market.of(rows, limits, view.settings.horizon, rates(now) if rates else ())
+            offered, horizon = rates(now) if rates else (), view.settings.horizon
+            self._market, steady = Market.of(rows, limits, horizon, offered)
             weighed = self._market.weigh(rows, steady)
+            if not alone:
+                presumed = Presumed.of(now, view, rows, limits)
+            if bidders := presumed.bidders(now, rows, self._market.small):
+                # What others do not know they do not bid against: only our own streams stand at these prices.
+                every = [*rows, *bidders]
+                self._market, steady = Market.of(every, limits, horizon, offered)
+                own = self._market.weigh(every, steady)
+                weighed = [own[at] if self._own(row.stream) else weighed[at] for at, row in enumerate(rows)]
         self._weighed = dict(zip(places, weighed, strict=True))
         self.revision += 1
-        self._book(now, list(zip(rows, weighed, strict=True)))
+        self._book(list(zip(rows, weighed, strict=True)), presumed)
 
     def _knew_little(self, stream: Stream) -> bool:
         """Whether far more is known of a stream now than when it was weighed how streams stand."""
@@ -218,8 +227,8 @@ class Disputes:
                 left.append((t, use))
         return tuple(left)
 
-    def _book(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> None:
-        """Book what is no decision."""
+    def _book(self, rows: Sequence[tuple[Row, Weighed]], presumed: Presumed) -> None:
+        """Book what is no decision, and beside that what robots of which little is known may send."""
         limits = self._limits
         contested = [row for row, w in rows if w.standing is Standing.CONTESTED]
         load, apart = load_of(rows)
@@ -228,7 +237,7 @@ class Disputes:
         booked = reserve(load, apart, limits)
         others = [(row, time) for row, time in zip(load, apart, strict=True) if not self._own(row.stream)]
         self.under_way = UnderWay.of(others, len(limits))
-        presumed = self._presumed(now, load, apart, self._untold(now, rows))
+        lacking = presumed.lacking(load, apart)
         kept = [
             max(
                 (r.use[k] - TUNING.smaller_deviations * r.deviation[k] for r in contested if r.use[k] <= c.limit),
@@ -239,7 +248,7 @@ class Disputes:
         self.booked = tuple(
             [
                 min(amount + more, TUNING.booked * c.limit, c.limit - keep)
-                for amount, more, c, keep in zip(booked, presumed, limits, kept, strict=True)
+                for amount, more, c, keep in zip(booked, lacking, limits, kept, strict=True)
             ]
         )
         self.sent = reserve(load, apart, limits, deviations=0.0)
@@ -262,41 +271,6 @@ class Disputes:
         if largest is not None:
             occupies = pace_part(self._view, largest.stream, limits) * at_pace(largest.use, limits)
             self.stretched = TUNING.paced_ahead * occupies
-
-    def _untold(self, now: float, rows: Sequence[tuple[Row, Weighed]]) -> set[str]:
-        """Return the robots of which news are so late that nobody knows how often they generate what they do.
-
-        Not one that says in time that nothing is new, nor a plain node, which says nothing: they may send little else.
-        Twelve robots that may tell 1.3 kB/s had 65 % of the windows over the limit without it, and 1 % with it.
-        """
-        window, until = min([limit.window for limit in self._limits], default=0.0), self._view.staleness.reported_until
-        return {
-            stream.robot
-            for (stream, interval, *_), _ in rows
-            if not (self._own(stream) or stream.robot.startswith(PLAIN))
-            and not rate_known(now, stream, window)
-            and now > max(stream.touched, until(stream.robot, -math.inf)) + TUNING.untold * interval
-        }
-
-    def _presumed(self, now: float, load: Sequence[Row], apart: Sequence[float], untold: set[str]) -> Amounts:
-        """What robots that were met lately, or are `untold`, use of each limit beside what is known, if they are as we.
-
-        Eight robots that met had 20 to 40 % of the first 6 s of windows over the limit without it, 1 to 5 % with it.
-        """
-        limits, me = self._limits, self._view.settings.robot
-        met = list[str]()
-        if not self._alone:
-            listens, lately = self._view.newcomers.only_listens, self._view.newcomers.met_lately(now)
-            met = sorted(untold.union(peer.robot for peer in lately if not listens(peer)))
-        uses = {robot: [0.0] * len(limits) for robot in (me, *met)}
-        for row, interval in zip(load, apart, strict=True):
-            if (use := uses.get(row.stream.robot)) is not None:
-                for k, c in enumerate(limits):
-                    use[k] += row.use[k] * c.window / interval
-        lacking = [
-            [max(0.0, ours - theirs) for ours, theirs in zip(uses[me], uses[robot], strict=True)] for robot in met
-        ]
-        return tuple([sum(each[k] for each in lacking) if c.shared else 0.0 for k, c in enumerate(limits)])
 
     def _used(self, now: float) -> Amounts:
         """Return what was sent of what is booked in the windows that end now."""

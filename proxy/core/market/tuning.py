@@ -63,7 +63,7 @@ class MarketTuning:
     """... nor before so long [s], or a window where that is shorter: in one of 30 s three robots with cameras sent all
     there was for 5 s, and from 18 s on nothing for 12, alarms included."""
     untold: float = 2.0
-    """News of a stream of which few samples are known are late after so many of its intervals (`Disputes._untold`)."""
+    """News of a stream of which few samples are known are late after so many of its intervals (`presumed.py`)."""
     longest: float = 300.0
     """What a stream loses by what it shows too much counts up to so many of its intervals: none sends more seldom."""
     most_scale: float = 1e100

@@ -1,0 +1,92 @@
+"""What robots of which little is known are presumed to send."""
+
+from itertools import permutations
+
+import pytest
+
+from planner import Throughput
+from planner.measures import Energy
+from proxy.core.market.presumed import Presumed
+from proxy.core.market.standing import Row
+from proxy.core.model.limits import Limit
+from proxy.core.model.settings import CoreSettings
+from proxy.core.view.stream import Generated, Stream
+from proxy.core.view.view import SharedView
+
+SMALL, LIMIT = 0.05, Limit("throughput", 0.5, 10_000.0, Throughput(20_000.0, 0.5), 1.0)
+OWN = Limit("energy", 0.5, 10_000.0, Energy(1.0, 0.5, per_byte=1e-3), 1.0)
+
+
+@pytest.fixture
+def view(make_specs):
+    return SharedView(CoreSettings("r1", "z-r1"), make_specs())
+
+
+@pytest.fixture
+def a_row(view):
+    """Return a stream as it is weighed: it generated so many samples, so far apart; if many, its rate is known."""
+    kind = view.specs.match("robot/r1/camera")
+
+    def make(robot, count=0, interval=0.5, *, use=(100.0,), key="odometry"):
+        stream = Stream(1, robot, key, kind)
+        for number in range(1, count + 1):
+            stream.note_generated(number, Generated(interval * number, 100, 1.0))
+        return Row(stream, interval, 0.0, 1.0, use, (0.0,) * len(use))
+
+    return make
+
+
+def bidders(rows, *robots, limits=(LIMIT,), now=10.0):
+    return Presumed("r1", limits, robots).bidders(now, rows, SMALL)
+
+
+def test_each_has_our_small_streams(a_row):
+    """What is larger goes in turn, or is contested: nobody knows that of others."""
+    ours = [a_row("r1", 20), a_row("r1", 20, 0.1, key="pose"), a_row("r1", 20, key="c", use=(900.0,))]
+    assert bidders(ours, "r2", "r3") == [*ours[:2], *ours[:2]]
+    assert not bidders(ours)
+
+
+def test_what_is_known_of_a_robot_is_not_presumed_beside_that(a_row):
+    """Half of what we have is known of it: the rest may come half as often."""
+    rows = [a_row("r1", 20, 0.1), a_row("r2", 4, 0.2)]
+    assert [row.interval for row in bidders(rows, "r2")] == [pytest.approx(0.2)]
+
+
+@pytest.mark.parametrize(("small", "large", "presumed"), [(4, 0, True), (20, 0, False), (20, 4, False)])
+def test_a_robot_of_which_each_small_stream_is_known_differs_from_us(a_row, small, large, presumed):
+    """Three robots with equal streams whose rates differ by chance reached 88 % of a central decider, and 97 so."""
+    rows = [a_row("r1", 20, 0.1), a_row("r2", small, 2.0)]
+    if large:
+        rows.append(a_row("r2", large, key="camera", use=(900.0,)))
+    assert bool(bidders(rows, "r2", now=100.0)) is presumed
+
+
+def test_others_use_nothing_of_a_limit_that_is_ours_alone(a_row):
+    """Energy."""
+    limits = LIMIT, OWN
+    ours = a_row("r1", 20, use=(100.0, 50.0))
+    assert [row.use for row in bidders([ours], "r2", limits=limits)] == [(100.0, 0.0)]
+    assert Presumed("r1", limits, ["r2"]).lacking([ours], [0.5]) == (100.0, 0.0)
+
+
+class Hashed(str):
+    """A name that has the same place in a set in any process."""
+
+    __slots__ = ("number",)
+
+    def __hash__(self):
+        return self.number
+
+
+def test_what_robots_are_taken_to_send_is_the_same_in_any_process(view, a_row):
+    """Names are in another order in a set there, and sums in another order differ: an exact replay would, too."""
+    names = [Hashed(name) for name in ("r2", "r3", "r4")]
+    found = set()
+    for numbers in permutations(range(3)):
+        for name, number in zip(names, numbers, strict=True):
+            name.number = number
+        uses = zip(("r1", *names), (2.0, 0.9, 0.8, 0.7), strict=True)
+        rows = [a_row(robot, use=(use,)) for robot, use in uses]
+        found.add(Presumed.of(9.0, view, rows, (LIMIT,)).lacking(rows, [0.5] * 4))
+    assert len(found) == 1
