@@ -6,11 +6,12 @@ streams one decider filled 82 % of 1 Mbit/s for one robot and 90 for four so, an
 """
 
 import math
+import operator
 from collections import defaultdict, deque
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from proxy.core.market.presumed import Presumed
+from proxy.core.market.presumed import Presumed, untold
 from proxy.core.market.room import at_pace, pace_part
 from proxy.core.market.standing import (
     UNKNOWN,
@@ -238,6 +239,8 @@ class Disputes:
         others = [(row, time) for row, time in zip(load, apart, strict=True) if not self._own(row.stream)]
         self.under_way = UnderWay.of(others, len(limits))
         lacking = presumed.lacking(load, apart)
+        # Room is kept for contested messages, but not what others use of it that nobody can see.
+        unseen = map(operator.add, untold(self.weighed_at, self._view, others, limits), lacking)
         kept = [
             max(
                 (r.use[k] - TUNING.smaller_deviations * r.deviation[k] for r in contested if r.use[k] <= c.limit),
@@ -247,8 +250,8 @@ class Disputes:
         ]
         self.booked = tuple(
             [
-                min(amount + more, TUNING.booked * c.limit, c.limit - keep)
-                for amount, more, c, keep in zip(booked, lacking, limits, kept, strict=True)
+                min(amount + more, TUNING.booked * c.limit, max(c.limit - keep, least))
+                for amount, more, c, keep, least in zip(booked, lacking, limits, kept, unseen, strict=True)
             ]
         )
         self.sent = reserve(load, apart, limits, deviations=0.0)

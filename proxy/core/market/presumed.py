@@ -6,14 +6,31 @@ with small samples alone filled the first windows to 1.9 limits, each at the pri
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Self
 
 from proxy.core.market.standing import Amounts, Row, rate_known
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, shortest_window
+from proxy.core.view.stream import Stream
 from proxy.core.view.streams import PLAIN
 from proxy.core.view.view import SharedView
+
+
+def untold(now: float, view: SharedView, others: Iterable[tuple[Row, float]], limits: Sequence[Limit]) -> Amounts:
+    """Return what streams of others, each with how far apart it sends [s], use of each limit that nobody told of yet.
+
+    In a window that ends now.
+    """
+    rates = [(row.use, time, now - _told_until(view, row.stream)) for row, time in others]
+    return tuple(
+        [sum([use[k] / time * min(c.window, since) for use, time, since in rates]) for k, c in enumerate(limits)]
+    )
+
+
+def _told_until(view: SharedView, stream: Stream) -> float:
+    """Return until when it is known what a stream of another robot sent [s]."""
+    return max(stream.touched, view.staleness.reported_until(stream.robot, -math.inf))
 
 
 class Presumed(NamedTuple):
@@ -30,13 +47,13 @@ class Presumed(NamedTuple):
         Not one that says in time that nothing is new, nor a plain node, which says nothing: they may send little else.
         Twelve robots that may tell 1.3 kB/s had 65 % of the windows over the limit without it, and 1 % with it.
         """
-        me, window, until = view.settings.robot, shortest_window(limits), view.staleness.reported_until
+        me, window = view.settings.robot, shortest_window(limits)
         untold = {
             stream.robot
             for stream, interval, *_ in rows
             if not (stream.robot == me or stream.robot.startswith(PLAIN))
             and not rate_known(now, stream, window)
-            and now > max(stream.touched, until(stream.robot, -math.inf)) + TUNING.untold * interval
+            and now > _told_until(view, stream) + TUNING.untold * interval
         }
         met, listens = view.newcomers.met_lately(now), view.newcomers.only_listens
         return cls(me, limits, sorted(untold.union(peer.robot for peer in met if not listens(peer))))

@@ -325,6 +325,26 @@ def test_room_is_kept_for_small_samples_beside_frames_that_nearly_fill_the_limit
     assert odometry.forwarded == odometry.generated
 
 
+def test_room_that_is_kept_for_frames_is_not_what_others_use_of_it_untold(make_talk, make_specs):
+    """Eight robots that may tell little sent small samples all the same: each frame went over the limit, by 1.3."""
+    talk = make_talk(make_specs(text=SPEC))
+    talk.want(-10.0, keys=("robot/**",))
+    talk.tell(ev.PeerAppeared(-9.0, "r2", "z-r2"))
+    streams = (StreamState(1, "robot/r2/odometry", "odometry", 0.05, size=1_000),)
+    talk.tell(ev.StateHeard(-9.0, State("r2", "z-r2", "enforce", "", streams, (), number=1)))
+    booked = []
+    for step in range(1, 101):
+        now = 0.05 * step
+        if step <= 60:
+            news = (StreamDigest(1, step, step, now, now, 1_000, 15.0),)
+            talk.tell(ev.DigestHeard(now, Digest("r2", tag("z-r2"), now, step, 1_000 * step, news, state=1), 40))
+        if step % 2 == 0:
+            settle(talk, now, talk.publish(now, "robot/r1/camera", size=56_000, red=1.0)[1], send=step <= 60)
+        if step in (60, 100):
+            booked += disputes(talk).booked
+    assert booked == [pytest.approx(talk.core.budget.limits[0].limit - 56_000), pytest.approx(10 * 1_000)]
+
+
 def test_a_sample_that_is_worth_more_than_others_of_its_stream_is_decided(talk):
     """Its stream was weighed by what its last sample was worth."""
     stream = talk.core.view.streams.known("r1", "robot/r1/camera")

@@ -6,10 +6,11 @@ import pytest
 
 from planner import Throughput
 from planner.measures import Energy
-from proxy.core.market.presumed import Presumed
+from proxy.core.market.presumed import Presumed, untold
 from proxy.core.market.standing import Row
 from proxy.core.model.limits import Limit
 from proxy.core.model.settings import CoreSettings
+from proxy.core.protocol.messages import Digest, tag
 from proxy.core.view.stream import Generated, Stream
 from proxy.core.view.view import SharedView
 
@@ -68,6 +69,17 @@ def test_others_use_nothing_of_a_limit_that_is_ours_alone(a_row):
     ours = a_row("r1", 20, use=(100.0, 50.0))
     assert [row.use for row in bidders([ours], "r2", limits=limits)] == [(100.0, 0.0)]
     assert Presumed("r1", limits, ["r2"]).lacking([ours], [0.5]) == (100.0, 0.0)
+
+
+@pytest.mark.parametrize(("told", "reported", "amount"), [(9.9, None, 20.0), (9.0, None, 100.0), (9.0, 9.75, 50.0)])
+def test_what_others_sent_since_they_told_is_untold(view, a_row, told, reported, amount):
+    """A digest that says nothing of a stream says that it sent nothing; of a window no more counts than there is."""
+    row = a_row("r2")
+    row.stream.touched = told
+    if reported is not None:
+        view.add_peer(0.0, "r2", "z-r2")
+        view.staleness.heard(10.0, view.peers[tag("z-r2")], Digest("r2", tag("z-r2"), reported, 0, 0))
+    assert untold(10.0, view, [(row, 0.5)], (LIMIT,)) == (pytest.approx(amount),)
 
 
 class Hashed(str):
