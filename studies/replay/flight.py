@@ -52,7 +52,7 @@ class Flight(Team):
 
     def fly(self, progress: Callable[[float], object]) -> Outcomes:
         """Fly everything, and tell now and then how far it came [s]; return what became of the samples."""
-        self.membership.start(())
+        self.membership.start(0.0, ())
         self._go_on(0.0)
         while not self._over:
             self.agenda.run(LEAD + self.end)

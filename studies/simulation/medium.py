@@ -1,5 +1,6 @@
 """A shared medium: one queue of a rate that may change, and a way through the air that differs by pair of robots."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from random import Random
@@ -46,7 +47,7 @@ class Medium:
     ways: dict[tuple[str, str], Way] = field(default_factory=dict)
     rates: tuple[tuple[float, float], ...] = ()
     seed: int = 0
-    busy_until: float = 0.0
+    busy_until: float = -math.inf
     carried: int = 0
     _random: dict[tuple[str, str, str], Random] = field(default_factory=dict)
     _last: dict[tuple[str, str], float] = field(default_factory=dict)
@@ -96,7 +97,7 @@ class Medium:
         if overtaken < way.reordering:
             arrival += REORDERED
         else:
-            arrival = self._last[sender, receiver] = max(arrival, self._last.get((sender, receiver), 0.0))
+            arrival = self._last[sender, receiver] = max(arrival, self._last.get((sender, receiver), -math.inf))
         return [arrival, arrival + REORDERED] if twice < way.duplication else [arrival]
 
     def _draw(self, kind: str, sender: str, receiver: str) -> Random:

@@ -1,5 +1,6 @@
 """One robot of a team from start to end: its core, its clock, and what its apps published."""
 
+import math
 from dataclasses import dataclass, field
 
 from proxy.clock import Wall
@@ -21,8 +22,8 @@ class Member:
     core: Core
     frames: dict[int, Frame] = field(default_factory=dict)
     state: State | None = None
-    wake: float = -1.0
-    look: float = 0.0
+    wake: float = -math.inf
+    look: float = -math.inf
     running: bool = True
 
     def wall_step(self, t: float) -> Wall | None:

@@ -42,11 +42,11 @@ class Membership:
         self._known: dict[tuple[Member, Member], None] = {}
         self._met: set[tuple[Member, Member]] = set()
 
-    def start(self, happenings: Sequence[Happening]) -> None:
-        """Let the members there are know of each other, and everything happen in its time."""
+    def start(self, begins: float, happenings: Sequence[Happening]) -> None:
+        """Let the members there are know of each other from `begins` on [s], and everything happen in its time."""
         for member in self._members.values():
-            self._agenda.at(0.0, partial(self._subscribe, member))
-        self._agenda.at(0.0, self._look)
+            self._agenda.at(begins, partial(self._subscribe, member))
+        self._agenda.at(begins, self._look)
         for happening in happenings:
             self._agenda.at(happening.t, partial(self._happen, happening))
 

@@ -49,6 +49,8 @@ class Team:
     settings: CoreSettings = field(default_factory=lambda: CoreSettings("", ""))
     search: SearchSettings = field(default_factory=SearchSettings)
     happenings: Sequence[Happening] = ()
+    begins: float = 0.0
+    """When the robots start that are there from the beginning [s]: applications may begin later."""
     network: Network | None = None
     """What carries messages instead of `medium`, on the agenda of this team."""
     agenda: Agenda = field(default_factory=Agenda)
@@ -63,7 +65,7 @@ class Team:
         self._matching: dict[tuple[tuple[str, ...], str], bool] = {}
         self._starts: dict[str, int] = {}
         absent = joining(self.happenings)
-        self.members = {robot: self._member(robot, 0.0) for robot in self.interests if robot not in absent}
+        self.members = {robot: self._member(robot, self.begins) for robot in self.interests if robot not in absent}
         meeting = self.agenda, self._carrier, self.members, self._feed, self._member
         self.membership = Membership(*meeting, count=self._count)
 
@@ -74,7 +76,7 @@ class Team:
 
     def run(self, frames: Sequence[Frame], until: float) -> list[Delivery]:
         """Let the apps publish `frames` and return everything that was sent by `until` [s]."""
-        self.membership.start(self.happenings)
+        self.membership.start(self.begins, self.happenings)
         for number, frame in enumerate(frames):
             self.agenda.at(frame.t_gen, partial(self._publish, number, frame))
         self.agenda.run(until)

@@ -19,7 +19,7 @@ from proxy.core.coordination.demands import bid, usual
 from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts, Turn
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
-from proxy.core.coordination.team import Asking, Team, words_take
+from proxy.core.coordination.team import Asking, Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
 from proxy.core.model.settings import CoreSettings
@@ -192,7 +192,7 @@ class Coordination:
             return False
         # Who asks anew and cannot tell so keeps the others from doing so, and from agreeing, until it can.
         if (due or entered) and (not split.agreement.formed or passes_at(now) <= now):
-            takes = words_take(self._view, self.team.robots)
+            takes = self._view.words_take(self.team.robots)
             split.bid(now, bid(self._view, now, limits), usual=usual(self._view, now, limits), takes=takes)
         split.advance(now, self.team.news_take(waiting), passes_at(now))
         self.formation.look(now, formed=split.agreement.formed, window=max(self._kind[0]))

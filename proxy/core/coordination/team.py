@@ -135,11 +135,11 @@ class Team:
             pending, outdoes = agreement.pending, outdoes_equal(agreement)
             # The longest window of what robots share takes so long [s].
             turns = 0.0 if pending or outdoes else sum(1.0 / t.shortest(window, news) for t in agreement.turns)
-            if costly := turns * words_take(self._view, self.robots) > TUNING.passed_on * self.robots:
+            if costly := turns * self._view.words_take(self.robots) > TUNING.passed_on * self.robots:
                 self.patience.give_up(now)
         self._stuck = self.patience.is_over(now, news, pending=pending, agreed=pending and outdoes)
         dear = self.gave_up or costly or self._dear_since < math.inf
-        self.gave_up = self._stuck and (dear or words_take_long(self._view, self.robots))
+        self.gave_up = self._stuck and (dear or self._view.words_take(self.robots) > TUNING.slow_words)
         self._conclude()
 
     def judge(
@@ -304,17 +304,6 @@ def _affordable(taken: float) -> float:
     return min(
         TUNING.affordable_at_most, TUNING.affordable + TUNING.affordable_few * max(0.0, taken - TUNING.many_to_a_part)
     )
-
-
-def words_take_long(view: SharedView, robots: int) -> bool:
-    """Whether it takes long until each of so many robots has said a word to every other, within their allowance."""
-    return words_take(view, robots) > TUNING.slow_words
-
-
-def words_take(view: SharedView, robots: int) -> float:
-    """Return how long it takes until each of so many robots has said a word to every other [s]."""
-    words = robots if is_broadcast(view.settings.transport) else robots * (robots - 1)
-    return words * TUNING.word_size / allowance_of(view.specs, view.settings.allowance, robots)
 
 
 def _unheard(view: SharedView) -> set[str]:

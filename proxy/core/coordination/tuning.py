@@ -62,10 +62,8 @@ class CoordinationTuning:
     """... and so many streams each, so that they are alike: of robots with one camera who sees more needs more..."""
     even_size: float = 0.02
     """... where those do not count that are so much smaller than the robot's largest one..."""
-    word_size: int = 60
-    """Few digests are smaller [B]..."""
     slow_words: float = 2.0
-    """... and where one of each robot to every other takes longer than this, who cannot agree has equal parts [s]."""
+    """Where one word of each robot to every other takes longer than this, who cannot agree has equal parts [s]."""
     passed_on: float = 0.5
     """Nor are slots worth their words that are worth no more than equal parts, where passing them on takes this part of
     the allowance (six drawn workloads: 46 to 76 % of a central decider, now 66 to 81)."""

@@ -134,7 +134,7 @@ class Disputes:
             self._market, steady = Market.of(rows, limits, horizon, offered)
             weighed = self._market.weigh(rows, steady)
             if not alone:
-                presumed = Presumed.of(now, view, rows, limits)
+                presumed = Presumed.of(now, view, competing, limits)
             if bidders := presumed.bidders(now, rows, self._market.small):
                 # What others do not know they do not bid against: only our own streams stand at these prices.
                 every = [*rows, *bidders]

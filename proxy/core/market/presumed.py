@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Self
 
-from proxy.core.market.standing import Amounts, Row, rate_known
+from proxy.core.market.standing import Amounts, Row, interval_of, rate_known
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit, shortest_window
 from proxy.core.view.stream import Stream
@@ -41,7 +41,7 @@ class Presumed(NamedTuple):
     robots: Sequence[str] = ()
 
     @classmethod
-    def of(cls, now: float, view: SharedView, rows: Sequence[Row], limits: tuple[Limit, ...]) -> Self:
+    def of(cls, now: float, view: SharedView, streams: Iterable[Stream], limits: tuple[Limit, ...]) -> Self:
         """Return those that were met lately, and those of which news are so late that nobody knows their rates.
 
         Not one that says in time that nothing is new, nor a plain node, which says nothing: they may send little else.
@@ -50,13 +50,13 @@ class Presumed(NamedTuple):
         me, window = view.settings.robot, shortest_window(limits)
         untold = {
             stream.robot
-            for stream, interval, *_ in rows
+            for stream in streams
             if not (stream.robot == me or stream.robot.startswith(PLAIN))
             and not rate_known(now, stream, window)
-            and now > _told_until(view, stream) + TUNING.untold * interval
+            and now > _told_until(view, stream) + TUNING.untold * interval_of(now, stream, window)
         }
-        met, listens = view.newcomers.met_lately(now), view.newcomers.only_listens
-        return cls(me, limits, sorted(untold.union(peer.robot for peer in met if not listens(peer))))
+        untold.update(peer.robot for peer in view.newcomers.little_known(now, view.words_take(len(view.peers) + 1)))
+        return cls(me, limits, sorted(untold))
 
     def bidders(self, now: float, rows: Sequence[Row], small: float) -> list[Row]:
         """Return our small streams once more for each of them, as much less often as it is known to send such itself.
@@ -91,11 +91,19 @@ class Presumed(NamedTuple):
         Of the streams of all that are booked each sends so far apart [s]. Eight robots that met had 20 to 40 % of the
         first 6 s of windows over the limit without it, 1 to 5 % with it.
         """
+        windows = [c.window for c in self.limits]
+        return self.beside(
+            (row.stream.robot, [use * window / interval for use, window in zip(row.use, windows, strict=True)])
+            for row, interval in zip(load, apart, strict=True)
+        )
+
+    def beside(self, taken: Iterable[tuple[str, Sequence[float]]]) -> Amounts:
+        """Return what they take of each limit beside what is known, if they take what we do: of streams, by robot."""
         uses = {robot: [0.0] * len(self.limits) for robot in (self.me, *self.robots)}
-        for row, interval in zip(load, apart, strict=True):
-            if (use := uses.get(row.stream.robot)) is not None:
-                for k, c in enumerate(self.limits):
-                    use[k] += row.use[k] * c.window / interval
+        for robot, amounts in taken:
+            if (use := uses.get(robot)) is not None:
+                for k, amount in enumerate(amounts):
+                    use[k] += amount
         ours = uses[self.me]
         each = [[max(0.0, o - t) for o, t in zip(ours, uses[robot], strict=True)] for robot in self.robots]
         return tuple([sum(use[k] for use in each) if c.shared else 0.0 for k, c in enumerate(self.limits)])

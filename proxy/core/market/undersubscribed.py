@@ -4,8 +4,10 @@ New streams are taken to generate as many again as they did so far; their first 
 small part of every limit, or many samples wait.
 """
 
-from collections.abc import Sequence
+import operator
+from collections.abc import Iterable, Sequence
 
+from proxy.core.market.presumed import Presumed
 from proxy.core.market.standing import Amounts, rate_known
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
@@ -50,8 +52,14 @@ class Undersubscribed:
         competing = view.contention.all(now, view.settings.robot if alone else None)
         self._needs = {stream.place: need(view, stream, limits, now) for stream in competing}
         self._new = {stream.place for stream in competing if stream.generated < TUNING.rate_samples}
-        self._total = tuple(map(sum, zip(*self._needs.values(), strict=True))) or (0.0,) * len(limits)
+        known = tuple(map(sum, zip(*self._needs.values(), strict=True))) or (0.0,) * len(limits)
+        self._total = known if alone else tuple(map(operator.add, known, self._presumed(now, competing, limits)))
         self.looks_at = now + max(TUNING.interval, TUNING.interval_each * len(self._needs))
+
+    def _presumed(self, now: float, competing: Iterable[Stream], limits: Sequence[Limit]) -> Amounts:
+        """Return what robots of which little is known need beside what is known of them, if they need what we do."""
+        found = Presumed.of(now, self._view, competing, tuple(limits))
+        return found.beside((robot, needed) for (robot, _), needed in self._needs.items())
 
     def note(self, now: float, stream: Stream) -> None:
         """A stream has generated a sample."""

@@ -63,7 +63,11 @@ class ViewTuning:
 
     # Robots that come, and robots that take no part
     newcomer_time: float = 10.0
-    """In a large team it takes this long until all have told all what they send [s]."""
+    """In a large team it takes this long until all have told all what they send [s]..."""
+    newcomer_words: float = 6.0
+    """... or until each has said so many words to every other, where they may tell little..."""
+    word_size: int = 60
+    """... of which few are smaller [B]."""
     greeting_time: float = 0.25
     """Who has just been met tells what it sent lately within this time [s]."""
     silent_since_start: float = 2.0

@@ -1,5 +1,6 @@
 """The shared view: what this robot knows of streams, robots, and what the channel carries."""
 
+from proxy.core.model.limits import allowance_of
 from proxy.core.model.settings import CoreSettings, is_broadcast
 from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.view.audience import Audiences, Paths
@@ -44,6 +45,11 @@ class SharedView:
     def specs(self) -> Specs:
         """The specs in force."""
         return self.streams.specs
+
+    def words_take(self, robots: int) -> float:
+        """Return how long it takes until each of so many robots has said a word to every other, as allowed [s]."""
+        words = robots if is_broadcast(self.settings.transport) else robots * (robots - 1)
+        return words * TUNING.word_size / allowance_of(self.specs, self.settings.allowance, robots)
 
     @property
     def evicted(self) -> int:

@@ -33,6 +33,8 @@ RATES = (0.3, 1.0, 3.0)
 """Limits [Mbit/s]."""
 LATENCIES = (0.002, 0.02)
 """[s]"""
+BEFORE = (0.0, 5.0, 30.0)
+"""So long before the applications the daemons begin [s]: what they tell each other of themselves may be paid for."""
 UTILITIES: tuple[MessageUtility, ...] = (
     *(Exponential(1.0, lasting) for lasting in (0.5, 2.0, 5.0, 20.0)),
     *(Linear(1.0, slope) for slope in (0.2, 0.7, 2.0)),
@@ -63,7 +65,8 @@ class Drawn:
     @property
     def label(self) -> str:
         """Tell what it is like in a line, and how it is flown."""
-        return self._told(f"{self.how.transport}, {self.how.latency * 1e3:.0f} ms, ")
+        how = self.how
+        return self._told(f"{how.transport}, {how.latency * 1e3:.0f} ms, {how.before:g} s before, ")
 
     @property
     def offer(self) -> str:
@@ -109,7 +112,8 @@ def drawn_by(seed: int) -> Drawn:
     robots, window = int(draw.choice(ROBOTS)), float(draw.choice(WINDOWS))
     rate = float(draw.choice(RATES)) * MBIT
     kinds = tuple(_kind(draw, f"kind-{number}", rate * window) for number in range(int(draw.choice((1, 1, 2, 3)))))
-    how = How(transport=str(draw.choice(("unicast", "broadcast"))), latency=float(draw.choice(LATENCIES)), loss=0.0)
+    transport, latency = str(draw.choice(("unicast", "broadcast"))), float(draw.choice(LATENCIES))
+    how = How(transport=transport, latency=latency, loss=0.0, before=float(draw.choice(BEFORE)))
     offered = sum(np.sqrt(np.prod(kind.rates) * np.prod(kind.sizes)) for kind in kinds)
     return Drawn(seed, Workload(f"drawn-{seed}", (kinds,) * robots, rate, window), how, robots * float(offered) / rate)
 

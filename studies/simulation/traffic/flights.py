@@ -33,6 +33,8 @@ class How:
     iterations: int = 300
     settings: tuple[tuple[str, Any], ...] = ()
     rate: float = RATE
+    before: float = 0.0
+    """So long before the applications begin the daemons run [s]."""
 
     @property
     def broadcasts(self) -> bool:
@@ -62,6 +64,7 @@ def crew(mission: Mission, how: How, seed: int, happenings: Sequence[Happening] 
         settings=replace(settings, **further),
         search=SearchSettings(search="best"),
         happenings=happenings,
+        begins=-how.before,
     )
 
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from proxy.core.coordination.team import words_take_long
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.model.settings import broadcast
@@ -301,7 +300,7 @@ def test_who_gives_such_slots_up_has_an_equal_part_though_announcements_are_not_
     window = 0.2
     team = Robot(make_specs("1.5 Mbit/s", window=window), names(9), send=10)
     agree_on_slots(team, 100, waiting=1.05 * TUNING.late_news * window)
-    assert not words_take_long(team.view, 10)
+    assert team.view.words_take(10) <= TUNING.slow_words
     for _ in range(3):
         assert team.coordination.team.gave_up
         assert team.coordination.team.quiet

@@ -10,6 +10,7 @@ from proxy.core.interface.commands import Decide, Forward
 from proxy.core.market.tuning import TUNING
 from proxy.core.market.undersubscribed import Undersubscribed, need
 from proxy.core.model.limits import Limit
+from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.samples.tuning import TUNING as SAMPLES
 from tests.proxy.core.talk import only
 
@@ -44,7 +45,11 @@ def test_what_a_new_stream_needs_is_twice_what_it_generated(talk):
 
 @pytest.mark.parametrize("alone", [True, False])
 def test_where_many_wait_new_streams_may_need_a_part_of_what_is_held(talk, alone):
-    """A sample counts at once, what others need is looked at now and then. Where few wait it is a small part."""
+    """A sample counts at once, what others need is looked at now and then. Where few wait it is a small part.
+
+    Who wants the samples is new, too, and may need as much unless nobody else counts.
+    """
+    robots = 1.0 if alone else 2.0
     for robot in ("a", "b"):
         talk.publish(1.0, f"robot/{robot}/camera")
     first, second = talk.core.view.streams.own()
@@ -53,7 +58,7 @@ def test_where_many_wait_new_streams_may_need_a_part_of_what_is_held(talk, alone
     def fits(now, stream, amount, waiting=TUNING.many_waiting + 1):
         undersubscribed.advance(now, LIMITS, alone=alone)
         undersubscribed.note(now, stream)
-        return undersubscribed.fits([1.001 * amount / TUNING.undersubscribed], waiting)
+        return undersubscribed.fits([1.001 * robots * amount / TUNING.undersubscribed], waiting)
 
     assert fits(1.0, first, 4000.0)
     assert not fits(
@@ -76,6 +81,22 @@ def test_a_burst_goes_without_a_search_where_the_limit_has_room_for_it(make_talk
     (decide,) = talk.all(Decide)
     talk.answer(1.01, decide, send=True)
     assert len(talk.all(Forward)) == 100 if limit == "8 Mbit/s" else len(talk.all(Forward)) <= 2
+
+
+@pytest.mark.parametrize("told", [False, True])
+def test_robots_of_which_nothing_is_known_may_need_as_much_as_we_do(make_talk, make_specs, told):
+    """Of twelve on a tight limit each knew of one other, and took all to fit: twice the limit. Not who only listens."""
+    talk = make_talk(make_specs(limit="80 kbit/s"))
+    talk.want(0.0)
+    talk.tell(ev.PeerAppeared(0.0, "r2", "z-r2"))
+    talk.tell(ev.StateHeard(0.0, State("r2", "z-r2", "enforce", "", (), (), number=1)))
+    for k in range(36):
+        now = 0.25 * k
+        for robot, zid in (("op", "zz-op"), ("r2", "z-r2"))[: 1 + told]:
+            talk.tell(ev.DigestHeard(now, Digest(robot, tag(zid), now, 0, 0, state=1), 40))
+        for decide in only(talk.publish(now)[1], Decide):
+            talk.answer(now, decide, send=True)
+    assert talk.core.gate.appraisal.all_fits is told
 
 
 def test_new_streams_that_come_all_the_time_need_no_search_on_an_idle_channel(make_talk, make_specs):
@@ -114,6 +135,7 @@ def test_settled_streams_that_need_little_go_without_a_search(talk):
         searched.append(bool(only(commands, Decide)))
         for decide in only(commands, Decide):
             talk.answer(0.25 * k, decide, send=True)
+        talk.tell(ev.DigestHeard(0.25 * k, Digest("op", tag("zz-op"), 0.25 * k, 0, 0, state=1), 40))
     assert searched[:7] == [True] * 7
     assert not any(searched[10:])
     sample, commands = talk.publish(5.0)

@@ -5,6 +5,7 @@ import pytest
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Drop, Forward
 from proxy.core.model.mode import Mode
+from proxy.core.protocol.messages import Digest, tag
 from proxy.core.reactions.fast_path import FastPath
 from tests.proxy.core.talk import only
 
@@ -24,7 +25,10 @@ def passed(monkeypatch):
 
 
 def flown(talk, samples=600, *, others=False):
-    """Publish samples of five streams, 200 a second; each is handed over, and time passes as the core asks for."""
+    """Publish samples of five streams, 200 a second; each is handed over, and time passes as the core asks for.
+
+    Who wants them says that it sends nothing.
+    """
     talk.want(0.0)
     now = 0.5
     for number in range(1, samples + 1):
@@ -33,6 +37,8 @@ def flown(talk, samples=600, *, others=False):
             now = max(wake, now + 1e-4)
             talk.tell(ev.TimePassed(now))
         now = at
+        if number % 100 == 0:
+            talk.tell(ev.DigestHeard(now - 0.001, Digest("op", tag("zz-op"), now - 0.002, 0, 0), 40))
         if others and number % 7 == 0:
             talk.tell(ev.SampleHeard(now - 0.001, "robot/plain/camera", 900, "feed", None, None))
         sample, commands = talk.publish(now, f"robot/r{number % 5}/camera", size=90 + number % 13)
