@@ -159,7 +159,8 @@ class Team:
         self.sharers = self.members if self.large else self._find_senders()
         sent = sendable(now, view, competing, limits)
         share, taken = announcing(sent), _parts_taken(sent, self.sharing, limits)
-        dear = share > still * _affordable(taken)
+        # Who hears that announcements cost another one too much finds so, too, where it nearly does.
+        dear = share > (TUNING.hysteresis if self._votes else still) * _affordable(taken)
         self.even = self._equal_parts_do(competing, limits) and dear
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
         # nobody says anything: one of four robots heard nothing of the others for 14 s, and took the whole limit.

@@ -164,7 +164,7 @@ class DigestScheduler:
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
         if self._parts_changed:  # though a sample waits to be announced, which may take longer
             due = min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
-        if self._sent_much():
+        if self._sent_much() or self._announcements.end_untold:
             due = min(due, self._announcements.tells_at(now))
         return min(due, self._budget.due_soon(now)) if self.urgent and not coordination.team.splits else due
 
@@ -201,6 +201,7 @@ class DigestScheduler:
             digest = self._composer.digest(now, copies, only_parts=only_parts)
             self._capacity.reported(digest)
             self._coordination.announced(now, digest.split)
+            self._announcements.told(splits=digest.splits)
             self.urgent = self._parts_changed = False
             if sent_much and self._announcements.overheard:
                 large = {stream.id for stream in self._view.streams.own() if self._announcements.is_large(stream)}
@@ -232,7 +233,7 @@ class DigestScheduler:
 
     def _only_parts(self, now: float) -> bool:
         """Whether a digest tells of parts alone: nobody plans with others' streams where each has its own part."""
-        if not self._coordination.team.splits or not self._parts_changed:
+        if not (self._announcements.end_untold or (self._coordination.team.splits and self._parts_changed)):
             return False
         return self._coordination.forming(now) or not self._all_is_due(now, self._account.digest_copies)
 
@@ -243,7 +244,13 @@ class DigestScheduler:
 
     def _more_is_due(self, now: float, copies: int) -> bool:
         """Whether a whole digest has to go although an announcement would do for what was sent."""
-        if self.urgent or self._parts_changed or self._news.unknown or self._all_is_due(now, copies):
+        if (
+            self.urgent
+            or self._parts_changed
+            or self._announcements.end_untold
+            or self._news.unknown
+            or self._all_is_due(now, copies)
+        ):
             return True
         return self._view.echoes.are_awaited(now) and self._budget.echoes.affords(copies) > 0
 

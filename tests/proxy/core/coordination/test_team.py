@@ -392,6 +392,16 @@ def test_robots_whose_samples_are_small_have_equal_parts_at_once_where_news_cost
     assert team.coordination.part(team.now, 0) == 1.0
 
 
+def test_who_hears_that_announcements_cost_another_one_too_much_keeps_to_an_equal_part_where_they_nearly_do(make_team):
+    """A team at that point changes over together: who goes on to announce hears nothing of those that do not."""
+    for heard, little, quiet in ((True, 1.0, True), (False, 1.0, False), (True, 0.9 * TUNING.hysteresis, False)):
+        team = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1, size=1)
+        tell(team, names(TUNING.even_robots), 6)
+        team.say("p00", splits=heard)
+        team.look(announcing=0.99 * little * TUNING.affordable)
+        assert team.coordination.team.quiet is quiet
+
+
 def test_small_streams_beside_a_large_one_are_no_reason_for_equal_parts(make_team):
     """Whose camera sees more needs more."""
     team = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1)
