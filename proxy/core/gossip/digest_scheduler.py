@@ -233,7 +233,7 @@ class DigestScheduler:
 
     def _only_parts(self, now: float) -> bool:
         """Whether a digest tells of parts alone: nobody plans with others' streams where each has its own part."""
-        if not (self._announcements.end_untold or (self._coordination.team.splits and self._parts_changed)):
+        if not self._coordination.team.splits or not self._parts_changed:
             return False
         return self._coordination.forming(now) or not self._all_is_due(now, self._account.digest_copies)
 
