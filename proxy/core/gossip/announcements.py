@@ -40,7 +40,7 @@ class Announcements:
         return coordination.team.must_announce and not coordination.binds and coordination.meanwhile.confined >= 1.0
 
     @property
-    def end_untold(self) -> bool:
+    def silence_untold(self) -> bool:
         """Whether the others do not know yet that we announce no more, as each keeps to an equal part.
 
         Told with other news they went on for 9 s as if we sent nothing: 13 % of the windows of six robots were over.
@@ -49,7 +49,7 @@ class Announcements:
         return team.even and team.votes_to_split and not (self._told_split or team.strict or team.large)
 
     def told(self, *, splits: bool) -> None:
-        """A digest of ours says whether the team has to split."""
+        """We tell the others whether the team has to split."""
         self._told_split = splits
 
     def due_at(self, now: float) -> float:

@@ -164,7 +164,7 @@ class DigestScheduler:
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
         if self._parts_changed:  # though a sample waits to be announced, which may take longer
             due = min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
-        if self._sent_much() or self._announcements.end_untold:
+        if self._sent_much() or self._announcements.silence_untold:
             due = min(due, self._announcements.tells_at(now))
         return min(due, self._budget.due_soon(now)) if self.urgent and not coordination.team.splits else due
 
@@ -225,7 +225,9 @@ class DigestScheduler:
         """Tell all of parts in a state, with a first digest beside it: a robot is heard by its digests."""
         self._parts_changed, self._sent_at = False, now
         self._coordination.announced(now, report)
-        command = self._states.tell_parts(report, splits=self._coordination.team.votes_to_split)
+        splits = self._coordination.team.votes_to_split
+        command = self._states.tell_parts(report, splits=splits)
+        self._announcements.told(splits=splits)
         self._account.sent_parts(now, len(pack_state(command.update or command.state)))
         if self._spoke:
             return [command]
@@ -247,7 +249,7 @@ class DigestScheduler:
         if (
             self.urgent
             or self._parts_changed
-            or self._announcements.end_untold
+            or self._announcements.silence_untold
             or self._news.unknown
             or self._all_is_due(now, copies)
         ):

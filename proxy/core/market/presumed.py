@@ -48,21 +48,22 @@ class Presumed(NamedTuple):
         Twelve robots that may tell 1.3 kB/s had 65 % of the windows over the limit without it, and 1 % with it.
         """
         me, window = view.settings.robot, shortest_window(limits)
-        untold = {
+        robots = {
             stream.robot
             for stream in streams
             if not (stream.robot == me or stream.robot.startswith(PLAIN))
             and not rate_known(now, stream, window)
             and now > _told_until(view, stream) + TUNING.untold * interval_of(now, stream, window)
         }
-        untold.update(peer.robot for peer in view.newcomers.little_known(now, view.words_take(len(view.peers) + 1)))
-        return cls(me, limits, sorted(untold))
+        words_take = view.words_take(view.members.speaking + 1)
+        robots.update(peer.robot for peer in view.newcomers.little_known(now, words_take))
+        return cls(me, limits, sorted(robots))
 
     def bidders(self, now: float, rows: Sequence[Row], small: float) -> list[Row]:
         """Return our small streams once more for each of them, as much less often as it is known to send such itself.
 
-        Not for one of which each small stream is known: it differs from us. `small` is the part of every limit that
-        small messages take at most.
+        Not for one of which each small stream is known: it differs from us; nor where that are very many. `small` is
+        the part of every limit that small messages take at most.
         """
         if not self.robots:
             return []
@@ -79,9 +80,11 @@ class Presumed(NamedTuple):
                 if robot == self.me:
                     ours.append(self._as_others(row))
         found, most = list[Row](), rates[self.me]
+        if len(ours) * len(self.robots) > TUNING.bids:
+            return []
         for robot in self.robots:
             lacking = most - rates[robot]
-            if lacking > 0.0 and robot not in known - unknown:
+            if lacking > TUNING.needless * most and robot not in known - unknown:
                 found += [row._replace(interval=row.interval * most / lacking) for row in ours]
         return found
 

@@ -44,18 +44,27 @@ class Newcomers:
     def little_known(self, now: float, words_take: float) -> list[Peer]:
         """Return those of which it may not be known what they send, as they have just come or had no word left since.
 
-        It takes so long until each robot has said one to every other [s]; after several times that all have.
-        Of thirteen robots on 0.3 Mbit/s whose applications began 5 s after the daemons each knew of one stream after 15
-        s, and took the others to send nothing: twice the limit.
+        It takes so long until each robot has said one to every other [s]; after several times that all have. In large
+        teams it takes minutes, and few send: there only who has just come. Of thirteen robots on 0.3 Mbit/s whose
+        applications began 5 s after the daemons each knew of one stream after 15 s, and took the others to send
+        nothing: twice the limit.
         """
-        lately = self.met_lately(now)
-        began, time = self._began(), TUNING.newcomer_words * words_take
-        untold = (
-            peer
-            for peer in self._peers.values()
-            if now < max(peer.since, began) + time and peer not in lately and self._is_untold(peer)
-        )
-        return [peer for peer in (*lately, *untold) if not self.only_listens(peer)]
+        peers = [peer for peer in self._peers.values() if not peer.plain]
+        began, time = self._began(), TUNING.newcomer_time
+        few = len(peers) <= TUNING.newcomers
+        longest = max(time, TUNING.newcomer_words * words_take) if few else time
+        sending, untold, listening = list[Peer](), list[Peer](), TUNING.newcomer_doubt
+        for peer in peers:
+            if self.only_listens(peer):
+                listening += 1
+            elif not self._is_untold(peer):
+                sending.append(peer)
+            elif now < max(peer.since, began) + longest:
+                untold.append(peer)
+        # Of those that have not told yet as many send as of the others, as far as one can say.
+        part = (len(sending) + TUNING.newcomer_doubt) / (len(sending) + listening)
+        lately = [peer for peer in sending if now < max(peer.since, began) + time]
+        return lately + untold[: math.ceil(part * len(untold))]
 
     def greeted_by(self, now: float) -> float:
         """Until when a robot that has just been met may tell what it sent lately [s]; −∞: all have, or are tokens."""
@@ -79,8 +88,8 @@ class Newcomers:
         return not any(map(self._subscribers.count, self._streams.of(peer.robot)))
 
     def _is_untold(self, peer: Peer) -> bool:
-        """Whether nothing is known of what a robot sends that takes part."""
-        return not (peer.plain or any(stream.generated for stream in self._streams.of(peer.robot)))
+        """Whether nothing is known of what a robot sends."""
+        return not any(stream.generated for stream in self._streams.of(peer.robot))
 
     def _began(self) -> float:
         return min((stream.began for stream in self._streams.own()), default=-math.inf)

@@ -204,8 +204,15 @@ class Peer:
             self.offset.unshown()
         self.inbound.set_wall_offset(now, state.wall_offset)
 
-    def heard_digest(self, now: float, digest: Digest) -> None:
-        """A digest of the peer arrived."""
+    def heard_digest(self, now: float, digest: Digest) -> bool:
+        """A digest of the peer arrived; return whether streams that it leaves out are silent.
+
+        Not those that an announcement leaves out, nor a digest of parts alone, though more was sent than the one before
+        counts: twelve robots that had told each other only of parts for a minute each found that no other had anything
+        to send, and together sent four times the limit for 10 s.
+        """
+        counted = 0 if self.counted is None else self.counted[1]
+        tells_all = not digest.brief and (bool(digest.streams) or digest.messages == counted)
         self.digest = digest
         self.last_heard = heard = HeardDigest(digest.sent, now, self.inbound.samples)
         if self.quickest is None or heard.took <= self.quickest.took + TRANSIT.drift * (now - self.quickest.received):
@@ -214,6 +221,7 @@ class Peer:
             self.counted = now, digest.messages, digest.bytes
         self.offset.heard(digest.sent, now)
         self.inbound.forget_queue(now)
+        return tells_all
 
     def restart_losses(self) -> None:
         """Forget the counts of samples, ours and the robot's: from now on other samples are counted."""
@@ -233,12 +241,12 @@ class Staleness:
         self.delay = 0.0
         """What all but few digests take beyond their least [s]: they wait for other messages, and for processors."""
 
-    def heard(self, now: float, peer: Peer, digest: Digest) -> None:
-        """A digest of a peer came. An announcement does not tell that the streams which it leaves out are silent."""
+    def heard(self, now: float, peer: Peer, digest: Digest, *, tells_all: bool) -> None:
+        """A digest of a peer came; it tells of all its streams or not, so that others are silent until then."""
         sent = peer.offset.ours(digest.sent)
         self._delays.append(max(0.0, now - sent - peer.offset.latency))
         self.delay = sorted(self._delays)[int(TUNING.digests_in_time * len(self._delays))]
-        if not digest.brief:
+        if tells_all:
             self._reported_until[peer.robot] = min(now, sent)
 
     def forget(self, robot: str) -> None:

@@ -66,6 +66,10 @@ class ViewTuning:
     """In a large team it takes this long until all have told all what they send [s]..."""
     newcomer_words: float = 6.0
     """... or until each has said so many words to every other, where they may tell little..."""
+    newcomers: int = 16
+    """... in a team of no more others: of thirty that only listened each was taken to send for half a minute..."""
+    newcomer_doubt: int = 3
+    """... and of those that told nothing such a part sends as of the others, after so many more that do..."""
     word_size: int = 60
     """... of which few are smaller [B]."""
     greeting_time: float = 0.25

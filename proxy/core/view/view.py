@@ -101,8 +101,8 @@ class SharedView:
             return False
         if peer.state.specs != self.specs.generation:
             peer.restart_losses()  # it may not count what we count
-        peer.heard_digest(now, digest)
-        self.staleness.heard(now, peer, digest)
+        tells_all = peer.heard_digest(now, digest)
+        self.staleness.heard(now, peer, digest, tells_all=tells_all)
         if digest.state == peer.state.number:
             self.clocks.bound(now, peer)
         for echo in digest.echoes:

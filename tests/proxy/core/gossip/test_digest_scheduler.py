@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import pytest
 
-from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING as COORDINATION
 from proxy.core.gossip.digest_scheduler import Retransmissions
 from proxy.core.gossip.tuning import TUNING
@@ -423,29 +422,6 @@ def test_what_is_announced_on_the_air_is_told_again_where_much_is_lost(make_talk
     sent = [s for d in digests(talk, 6.0) for s in d.streams if s.t_forwarded == pytest.approx(6.0)]
     assert len(sent) == 1 + again
     assert len({s.forwarded for s in sent}) == 1
-
-
-@pytest.mark.parametrize("even", [True, False])
-def test_who_keeps_to_an_equal_part_says_so_once_ahead_of_the_allowance(make_talk, monkeypatch, even):
-    """It announces no more what it sends; what it sent is told with that, else it would seem silent since."""
-
-    def judge(team, *_, **__):
-        team.rivals, team.even, team.votes_to_split = True, even, True
-        team._conclude()
-
-    talk = make_talk(allowance=0.0)
-    talk.want(0.0)
-    for step in range(40):
-        sends(talk, 0.1 + 0.1 * step, size=100)
-    monkeypatch.setattr(Team, "judge", judge)
-    for step in range(100):
-        talk.tell(ev.TimePassed(4.2 + 0.1 * step))
-    said = [digest for digest in digests(talk, since=4.2) if digest.splits]
-    assert all(digest.split is None for digest in said) is even
-    if even:
-        assert said[0].sent <= 4.2 + COORDINATION.interval + TUNING.slowest_digest
-        assert not said[0].brief
-        assert said[0].streams
 
 
 @pytest.fixture

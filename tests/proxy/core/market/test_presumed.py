@@ -4,10 +4,11 @@ from itertools import permutations
 
 import pytest
 
-from planner import Step, Throughput
+from planner import Exponential, Step, Throughput
 from planner.measures import Energy
 from proxy.core.market.presumed import Presumed, untold
 from proxy.core.market.standing import Row
+from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.model.settings import CoreSettings
 from proxy.core.protocol.messages import Digest, tag
@@ -53,6 +54,14 @@ def test_each_has_our_small_streams(a_row):
     assert not bidders(ours)
 
 
+def test_very_many_do_not_bid(a_row):
+    """Two hundred robots that may have fifty streams each would take 67 ms to weigh."""
+    ours = [a_row("r1", 20, key=f"{number}") for number in range(TUNING.bids // 10)]
+    robots = [f"r{number}" for number in range(2, 13)]
+    assert len(bidders(ours, *robots[:10])) == TUNING.bids
+    assert not bidders(ours, *robots)
+
+
 def test_what_is_known_of_a_robot_is_not_presumed_beside_that(a_row):
     """Half of what we have is known of it: the rest may come half as often."""
     rows = [a_row("r1", 20, 0.1), a_row("r2", 4, 0.2)]
@@ -83,7 +92,7 @@ def test_what_others_sent_since_they_told_is_untold(view, a_row, told, reported,
     row.stream.touched = told
     if reported is not None:
         view.add_peer(0.0, "r2", "z-r2")
-        view.staleness.heard(10.0, view.peers[tag("z-r2")], Digest("r2", tag("z-r2"), reported, 0, 0))
+        view.staleness.heard(10.0, view.peers[tag("z-r2")], Digest("r2", tag("z-r2"), reported, 0, 0), tells_all=True)
     assert untold(10.0, view, [(row, 0.5)], (LIMIT,)) == (pytest.approx(amount),)
 
 
@@ -99,6 +108,16 @@ def test_a_team_that_could_not_tell_what_it_sends_keeps_the_limit(before):
     found = score(mission, fly(mission, how, 3), how.loss)
     assert found.over <= 0.02
     assert found.fill >= 0.5
+
+
+def test_one_that_sends_among_many_that_only_listen_is_not_held_up_for_long():
+    """They have few words to say so. The first robot alone has a stream, which takes a quarter of the limit."""
+    kind = Kind("status", Exponential(1.0, 0.5), (30.0, 30.0), (1_000, 1_000))
+    team = Workload("alone", ((kind,), *((),) * 11), MBIT, 0.5)
+    mission, how = draw_from(team, 3, 14.0, latency=0.002), How(latency=0.002, loss=0.0, before=5.0)
+    sent = [air.t for air in fly(mission, how, 3).on_air if air.frame is not None]
+    assert sum(t < 10.0 for t in sent) >= 100
+    assert sum(12.0 <= t < 14.0 for t in sent) >= 58
 
 
 class Hashed(str):

@@ -35,6 +35,29 @@ def test_a_robot_is_little_known_until_it_tells_of_a_stream(met):
     assert known(met, later)
 
 
+def test_in_a_large_team_only_who_has_just_come_is_little_known(met):
+    """Most of it only listen, and have no word left to say so: one that sends among thirty was held up for 30 s."""
+    later = BEGAN + 1.1 * TUNING.newcomer_time
+    assert not known(met, later)
+    for number in range(TUNING.newcomers):
+        met.add_peer(0.0, f"p{number}", f"z-p{number}")
+    assert known(met, later)
+    assert len(met.newcomers.little_known(BEGAN, WORDS)) == TUNING.newcomers + 1
+
+
+def test_of_those_that_told_nothing_as_many_send_as_of_the_others(met):
+    """As one after the other says that it only listens, ever fewer of the rest are taken to send."""
+    for number in range(9):
+        met.add_peer(0.0, f"p{number}", f"z-p{number}")
+    found = [len(met.newcomers.little_known(8.0, WORDS))]
+    for number in range(9):
+        peer = met.peers[tag(f"z-p{number}")]
+        peer.heard_digest(8.0, Digest(f"p{number}", peer.tag, 8.0, 0, 0))
+        found.append(len(met.newcomers.little_known(8.0, WORDS)))
+    assert found == sorted(found, reverse=True)
+    assert (found[0], found[3], found[-1]) == (10, 4, 1)
+
+
 def test_one_that_tells_of_a_stream_may_have_others_for_a_while(met):
     """They are told one after the other."""
     met.streams.touch(BEGAN, "r2", "robot/r2/camera").note_generated(1, Generated(BEGAN, 100, 1.0))
