@@ -112,7 +112,7 @@ class Presumed(NamedTuple):
         return tuple([sum(use[k] for use in each) if c.shared else 0.0 for k, c in enumerate(self.limits)])
 
     def _rate(self, row: Row) -> float:
-        """Return what part of a shared limit the samples of a stream take in a second, at most."""
+        """Return what part of a shared limit the samples of a stream take in a window, at most."""
         parts = [use * c.window / c.limit for use, c in zip(row.use, self.limits, strict=True) if c.shared]
         return max(parts, default=0.0) / row.interval
 
