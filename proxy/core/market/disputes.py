@@ -124,26 +124,30 @@ class Disputes:
         self._waiting = frozenset([row.stream.place for row in rows if turns and not row.has_room(limits)])
         if self._waiting:
             rows = [row for row in rows if row.stream.place not in self._waiting]
-        places = [row.stream.place for row in rows]
+        presumed = Presumed(view.settings.robot, limits) if alone else Presumed.of(now, view, competing, limits)
         self._market, weighed = None, list[Weighed]()
-        presumed = Presumed(view.settings.robot, limits)
         if rows:
-            from proxy.core.market.prices import Market
-
-            offered, horizon = rates(now) if rates else (), view.settings.horizon
-            self._market, steady = Market.of(rows, limits, horizon, offered)
-            weighed = self._market.weigh(rows, steady)
-            if not alone:
-                presumed = Presumed.of(now, view, competing, limits)
-            if bidders := presumed.bidders(now, rows, self._market.small):
-                # What others do not know they do not bid against: only our own streams stand at these prices.
-                every = [*rows, *bidders]
-                self._market, steady = Market.of(every, limits, horizon, offered)
-                own = self._market.weigh(every, steady)
-                weighed = [own[at] if self._own(row.stream) else weighed[at] for at, row in enumerate(rows)]
-        self._weighed = dict(zip(places, weighed, strict=True))
+            weighed = self._weigh(now, rows, presumed, rates(now) if rates else ())
+        self._weighed = {row.stream.place: w for row, w in zip(rows, weighed, strict=True)}
         self.revision += 1
         self._book(list(zip(rows, weighed, strict=True)), presumed)
+
+    def _weigh(self, now: float, rows: Sequence[Row], presumed: Presumed, offered: Amounts) -> list[Weighed]:
+        """Return how streams stand at the prices of so much `offered` of each limit in a second.
+
+        What others do not know they do not bid against: only our own streams stand beside presumed bidders.
+        """
+        from proxy.core.market.prices import Market
+
+        limits, horizon = self._limits, self._view.settings.horizon
+        self._market, steady = Market.of(rows, limits, horizon, offered)
+        weighed = self._market.weigh(rows, steady)
+        if bidders := presumed.bidders(now, rows, self._market.small):
+            every = [*rows, *bidders]
+            self._market, steady = Market.of(every, limits, horizon, offered)
+            own = self._market.weigh(every, steady)
+            weighed = [own[at] if self._own(row.stream) else weighed[at] for at, row in enumerate(rows)]
+        return weighed
 
     def _knew_little(self, stream: Stream) -> bool:
         """Whether far more is known of a stream now than when it was weighed how streams stand."""

@@ -242,7 +242,7 @@ class Staleness:
         """What all but few digests take beyond their least [s]: they wait for other messages, and for processors."""
 
     def heard(self, now: float, peer: Peer, digest: Digest, *, tells_all: bool) -> None:
-        """A digest of a peer came; it tells of all its streams or not, so that others are silent until then."""
+        """A digest of a peer came; `tells_all`: streams that it leaves out are silent until it was sent."""
         sent = peer.offset.ours(digest.sent)
         self._delays.append(max(0.0, now - sent - peer.offset.latency))
         self.delay = sorted(self._delays)[int(TUNING.digests_in_time * len(self._delays))]
