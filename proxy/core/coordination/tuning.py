@@ -142,6 +142,8 @@ class CoordinationTuning:
     """... each in this part of its turn, so that the next one hears of it."""
     claim_worth: float = 0.2
     """Of what a sample is worth by itself this part counts in a claim."""
+    claim_longest: float = 3600.0
+    """A stream that never sent claims as one that sent so long ago [s]."""
     claim_tolerance: float = 0.003
     """Clocks round: who has the later name counts as silent for so much longer, or both find theirs the best [s]."""
     claim_pays: float = 0.6

@@ -154,13 +154,15 @@ def test_others_never_take_our_claim_for_less_than_it_is(view, later):
     assert claim(10.0, ours) <= before
 
 
-def test_a_stream_of_little_worth_never_holds_a_better_one_back(view):
-    """However long it was silent: a new sample gains no more than it is worth itself."""
+@pytest.mark.parametrize("ever", [True, False])
+def test_a_stream_of_little_worth_never_holds_a_better_one_back(view, ever):
+    """However long it was silent, if it was not always: a new sample gains no more than it is worth itself."""
     ours, theirs = (view.streams.known(robot, f"robot/{robot}/camera") for robot in ("r1", "r2"))
     ours.renew(Generated(9.9, SIZE, 5.0))
     lasts = worthless_from(theirs.information_type.utility)
     sent(view, "r1", 10.0)
-    sent(view, "r2", 10.0)
+    if ever:
+        sent(view, "r2", 10.0)
     now = 10.0 + lasts
     assert claim(now + 1000.0, theirs)[0] == pytest.approx(claim(now, theirs)[0])
     view.traffic.note_sent(ours, 2, Sent(now, now, SIZE, 5.0))
