@@ -10,9 +10,11 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime
+from functools import partial
 from pathlib import Path
+from statistics import fmean
 
 import numpy as np
 
@@ -20,6 +22,7 @@ from planner import Exponential, Linear, Step, Video
 from planner.utility import MessageUtility
 from studies.benchmarks.report import Table, write_page
 from studies.processes import processes
+from studies.simulation.traffic import unequal_teams
 from studies.simulation.traffic.flights import How, fly, fly_alone
 from studies.simulation.traffic.kinds import Kind
 from studies.simulation.traffic.missions import draw_from
@@ -51,22 +54,40 @@ SHOWN = 25
 """The page shows so many, the worst first..."""
 SHOWN_OVER = 10
 """... and so many of those that exceeded the limit most often."""
+COLUMNS = (
+    "workload",
+    "of central",
+    "windows over",
+    "fullest",
+    "10 s",
+    "fill",
+    "of central",
+    "silent [s]",
+    "of central",
+)
+NOTE = (
+    "Sizes in limits; 10 s: what the fullest 10 s hold of what the limit allows in that time; fill: bytes sent of what"
+    " limit or offer allow; silent: the longest time that one of the robots sends nothing."
+)
+TITLE = "Drawn workloads in simulation"
 
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A workload, and how it is flown. `load` is what is offered, in limits."""
+    """A workload, and how it is flown. `load` is what is offered, in limits; of `unequal` teams more than there is."""
 
     seed: int
     workload: Workload
     how: How
     load: float
+    unequal: bool = False
 
     @property
     def label(self) -> str:
         """Tell what it is like in a line, and how it is flown."""
         how = self.how
-        return self._told(f"{how.transport}, {how.latency * 1e3:.0f} ms, {how.before:g} s before, ")
+        lost = f"{how.loss:.0%} lost, " if how.loss else ""
+        return self._told(f"{how.transport}, {how.latency * 1e3:.0f} ms, {lost}{how.before:g} s before, ")
 
     @property
     def offer(self) -> str:
@@ -75,14 +96,18 @@ class Drawn:
 
     def _told(self, how: str) -> str:
         workload = self.workload
-        limit = workload.rate * workload.window
-        kinds = ", ".join(
-            f"{type(kind.utility).__name__} {kind.rates[1] / SPREAD:.1f} Hz {max(kind.sizes) / limit:.2f} limits"
-            f"{' anew' if kind.anew else ''}{' at random' if kind.at_random else ''}"
-            for kind in workload.kinds
-        )
-        where = f"{len(workload.robots)} robots, {how}{workload.rate / MBIT:g} Mbit/s, {workload.window:g} s"
+        kinds = ", ".join(map(self._kind, workload.kinds))
+        robots = f"{len(workload.robots)} {'unequal ' if self.unequal else ''}robots"
+        where = f"{robots}, {how}{workload.rate / MBIT:g} Mbit/s, {workload.window:g} s"
         return f"{self.seed}: {where}: {kinds}"
+
+    def _kind(self, kind: Kind) -> str:
+        """Tell its mean rate, its largest typical size, and how many robots of an unequal team have it."""
+        workload = self.workload
+        size = max(kind.sizes) / (workload.rate * workload.window)
+        told = f"{type(kind.utility).__name__} {_mean(kind.rates):.1f} Hz {size:.2f} limits"
+        told += f"{' anew' if kind.anew else ''}{' at random' if kind.at_random else ''}"
+        return f"{told} of {sum(kind in own for own in workload.robots)}" if self.unequal else told
 
     @property
     def disputed(self) -> bool:
@@ -92,13 +117,18 @@ class Drawn:
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """What a team reached of a central decider's utility; `over` and `worst` are as in a score, `fills` of both."""
+    """What a team reached of a central decider's utility; `over`, `worst` and `sustained` are as in a score.
+
+    The team's and the central decider's: `fills`, and `silences`, the longest time that a robot sent nothing [s].
+    """
 
     drawn: Drawn
     part: float
     over: float
     worst: float
+    sustained: float
     fills: tuple[float, float]
+    silences: tuple[float, float]
 
 
 def first_seed(day: date) -> int:
@@ -106,16 +136,28 @@ def first_seed(day: date) -> int:
     return 1000 * int(f"{day:%Y%m%d}")
 
 
-def drawn_by(seed: int) -> Drawn:
-    """Draw a workload."""
+def drawn_by(seed: int, *, unequal: bool = False) -> Drawn:
+    """Draw a workload; an unequal team has the kinds of the equal one of the same seed, and one more."""
     draw = np.random.default_rng(seed)
     robots, window = int(draw.choice(ROBOTS)), float(draw.choice(WINDOWS))
     rate = float(draw.choice(RATES)) * MBIT
     kinds = tuple(_kind(draw, f"kind-{number}", rate * window) for number in range(int(draw.choice((1, 1, 2, 3)))))
     transport, latency = str(draw.choice(("unicast", "broadcast"))), float(draw.choice(LATENCIES))
     how = How(transport=transport, latency=latency, loss=0.0, before=float(draw.choice(BEFORE)))
-    offered = sum(np.sqrt(np.prod(kind.rates) * np.prod(kind.sizes)) for kind in kinds)
-    return Drawn(seed, Workload(f"drawn-{seed}", (kinds,) * robots, rate, window), how, robots * float(offered) / rate)
+    team = (kinds,) * robots
+    if unequal:
+        # All that is drawn for unequal teams only comes last: so the seeds of equal teams draw what they always did.
+        kinds = (*kinds, _kind(draw, f"kind-{len(kinds)}", rate * window))
+        team = unequal_teams.team(draw, kinds, robots)
+        latency, loss = float(draw.choice(unequal_teams.LATENCIES)), float(draw.choice(unequal_teams.LOSSES))
+        how = replace(how, latency=latency, loss=loss)
+    offered = sum(_mean(kind.rates) * _mean(kind.sizes) for own in team for kind in own)
+    return Drawn(seed, Workload(f"drawn-{seed}", team, rate, window), how, offered / rate, unequal)
+
+
+def _mean(between: tuple[float, float]) -> float:
+    """Return the geometric mean of two bounds."""
+    return float(np.sqrt(between[0] * between[1]))
 
 
 def _kind(draw: np.random.Generator, name: str, limit: float) -> Kind:
@@ -134,41 +176,55 @@ def _kind(draw: np.random.Generator, name: str, limit: float) -> Kind:
     )
 
 
-def reach(seed: int, seconds: float) -> Reached | None:
+def reach(seed: int, seconds: float, *, unequal: bool = False) -> Reached | None:
     """Fly what a seed draws, so long with the warm-up [s]; None where all of it fits, or hardly any."""
-    drawn = drawn_by(seed)
+    drawn = drawn_by(seed, unequal=unequal)
     if not drawn.disputed:
         return None
     how = drawn.how
     mission = draw_from(drawn.workload, seed, seconds, latency=how.latency, everybody=how.broadcasts)
-    central = score(*fly_alone(mission, how, seed), how.loss)
-    team = score(mission, fly(mission, how, seed), how.loss)
-    return Reached(drawn, team.utility / central.utility, team.over, team.worst, (team.fill, central.fill))
+    both = score(mission, fly(mission, how, seed), how.loss), score(*fly_alone(mission, how, seed), how.loss)
+    team, central = both
+    part, silent = team.utility / central.utility, [max(each.silence.values()) for each in both]
+    return Reached(
+        drawn, part, team.over, team.worst, team.sustained, (team.fill, central.fill), (silent[0], silent[1])
+    )
 
 
 def line(found: Reached) -> str:
     """Return a result in one line."""
     return (
-        f"{found.part:.1%} of central, {found.over:.1%} of windows over, worst {found.worst:.2f}; {found.drawn.label}"
+        f"{found.part:.1%} of central, {found.over:.1%} of windows over, worst {found.worst:.2f},"
+        f" fullest 10 s {found.sustained:.2f}, silent {found.silences[0]:.1f} s ({found.silences[1]:.1f} central);"
+        f" {found.drawn.label}"
+    )
+
+
+def last_line(found: Sequence[Reached]) -> str:
+    """Return what came of all in one line."""
+    parts, over = [each.part for each in found], fmean(each.over for each in found)
+    return (
+        f"{len(found)} flights, {fmean(parts):.1%} of central ({min(parts):.1%} at least), {over:.1%} of windows over,"
+        f" fullest 10 s {max(each.sustained for each in found):.2f}"
     )
 
 
 def tables(found: Sequence[Reached], seconds: float) -> list[Table]:
     """Return how much was reached, the worst, and where most windows were over the limit."""
-    note = f"{len(found)} workloads, flights of {seconds:g} s; without loss."
+    various = any(each.drawn.unequal for each in found)
+    note = f"{len(found)} workloads, flights of {seconds:g} s; {unequal_teams.TOLD if various else 'without loss.'}"
     transports = sorted({each.drawn.how.transport for each in found})
     worst = sorted(found, key=lambda each: each.part)[:SHOWN]
     fullest = sorted([each for each in found if each.over > 0.0], key=lambda each: -each.over)[:SHOWN_OVER]
-    columns = ("workload", "of central", "windows over", "fullest", "fill", "fill of central")
     return [
         Table(
             "Utility, of one central decider's",
-            ("transport", "workloads", "mean", "least", "5 %", "10 %", "25 %", "median", "windows over"),
+            ("transport", "workloads", "mean", "least", "5 %", "10 %", "25 %", "median", "windows over", "10 s"),
             tuple(_summary(name, [each for each in found if each.drawn.how.transport == name]) for name in transports),
             note,
         ),
-        Table("The worst", columns, _rows(worst), "Sizes in limits; fill: bytes sent of what limit or offer allow."),
-        Table("Most windows over the limit", columns, _rows(fullest)),
+        Table("The worst", COLUMNS, _rows(worst), NOTE),
+        Table("Most windows over the limit", COLUMNS, _rows(fullest)),
     ]
 
 
@@ -176,7 +232,8 @@ def _summary(transport: str, found: Sequence[Reached]) -> tuple[str, ...]:
     parts = np.array([each.part for each in found])
     shares = [parts.mean(), *(np.quantile(parts, quantile) for quantile in (0.0, 0.05, 0.1, 0.25, 0.5))]
     over = np.mean([each.over for each in found])
-    return transport, str(len(found)), *(f"{share:.1%}" for share in shares), f"{over:.1%}"
+    longest = f"{max(each.sustained for each in found):.2f}"
+    return transport, str(len(found)), *(f"{share:.1%}" for share in shares), f"{over:.1%}", longest
 
 
 def _rows(found: Sequence[Reached]) -> tuple[tuple[str, ...], ...]:
@@ -186,7 +243,9 @@ def _rows(found: Sequence[Reached]) -> tuple[tuple[str, ...], ...]:
             f"{each.part:.1%}",
             f"{each.over:.1%}",
             f"{each.worst:.2f}",
-            *(f"{f:.0%}" for f in each.fills),
+            f"{each.sustained:.2f}",
+            *(f"{fill:.0%}" for fill in each.fills),
+            *(f"{silence:.1f}" for silence in each.silences),
         )
         for each in found
     )
@@ -202,18 +261,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=30.0, help="of a flight, 5 s of warm-up included")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("--output", type=Path, help="write the tables there, as a Markdown page")
+    parser.add_argument("--unequal", action="store_true", help="teams whose robots have kinds of their own")
     options = parser.parse_args(arguments)
     seeds, found = range(options.first, options.first + options.seeds), list[Reached]()
     with processes(options.jobs) as pool:
-        for each in pool.map(reach, seeds, [options.seconds] * len(seeds)):
+        for each in pool.map(partial(reach, seconds=options.seconds, unequal=options.unequal), seeds):
             if each is not None:
                 found.append(each)
                 print(line(each), flush=True)
-    if options.output and found:
-        command = f"python -m studies.simulation.traffic.drawn --first {options.first} --seeds {options.seeds}"
-        title = "Drawn workloads in simulation"
-        write_page(options.output, title, tables(found, options.seconds), datetime.now(UTC), command)
+    if not found:
+        parser.error("none of these seeds draws a team that has something to dispute")
+    print(last_line(found))
+    if options.output:
+        write_page(options.output, TITLE, tables(found, options.seconds), datetime.now(UTC), _command(options))
     return 0
+
+
+def _command(options: argparse.Namespace) -> str:
+    """Return the command that flies the same again."""
+    asked = f"--first {options.first} --seeds {options.seeds} --seconds {options.seconds:g}"
+    return f"python -m studies.simulation.traffic.drawn {asked}{' --unequal' if options.unequal else ''}"
 
 
 if __name__ == "__main__":

@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.utility import Floats, MessageUtility
+from planner.utility import Flags, Floats, MessageUtility
 from studies.simulation.missions import utility_table
 
 START = 1.0
 """Applications start at random within so long [s]."""
+PAUSES = (5.0, 15.0)
+"""A stream that pauses publishes for so long, then pauses for so long, in turn; all uniformly drawn [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,8 +19,9 @@ class Kind:
 
     The stream's rate is drawn from `rates` [Hz], its typical size from `sizes` [B], both log-uniformly. Samples come
     with the period of that rate, each displaced by `jitter` [s], or at random; each has a size around the typical one
-    (standard deviation `spread`, as a part), or one of `sizes` drawn `anew`. With `red` they are images in which red
-    things may be seen. Of a `small` kind as good as all samples should arrive, of an `alarm` each.
+    (standard deviation `spread`, as a part), or one of `sizes` drawn `anew`. The part `pausing` of the streams pauses
+    now and then. With `red` samples are images in which red things may be seen. Of a `small` kind as good as all
+    samples should arrive, of an `alarm` each.
     """
 
     name: str
@@ -34,6 +37,7 @@ class Kind:
     red: bool = False
     small: bool = False
     alarm: bool = False
+    pausing: float = 0.0
 
     def times(self, draw: np.random.Generator, seconds: float) -> Floats:
         """Draw when one stream generates, in order, before `seconds`."""
@@ -44,6 +48,8 @@ class Kind:
         else:
             times = np.maximum(start + np.arange(count) / rate + draw.normal(0.0, self.jitter, count), 0.0)
         times.sort()
+        if self.pausing and draw.random() < self.pausing:
+            times = times[_published(draw, times, seconds)]
         return np.asarray(times[times < seconds])
 
     def draw_sizes(self, draw: np.random.Generator, count: int) -> Floats:
@@ -66,6 +72,13 @@ class Kind:
         if self.red:
             lines += ['scale = "1 + 10 * red"', 'features.red = { kind = "color_fraction", color = "red" }']
         return "\n".join(lines)
+
+
+def _published(draw: np.random.Generator, times: Floats, seconds: float) -> Flags:
+    """Draw when a stream pauses, until `seconds` at least; return which of these times are not in a pause."""
+    before = PAUSES[1]
+    changes = np.cumsum(draw.uniform(*PAUSES, int((before + seconds) / PAUSES[0]) + 1)) - draw.uniform(0.0, before)
+    return np.asarray(np.searchsorted(changes, times) % 2 == 0)
 
 
 def _log_uniform(draw: np.random.Generator, between: tuple[float, float]) -> float:

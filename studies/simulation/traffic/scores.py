@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from utility_specs.lifetimes import initial
 
 DRAWS = 20
 """So many draws of what is lost on the air."""
+LONG = 10.0
+"""So long a span shows whether a limit is kept for good [s]; all windows of drawn workloads divide it."""
 EXACT = 1e-9
 """Part of a limit by which sums may be wrong."""
 
@@ -36,10 +38,11 @@ class Score:
     `utility` is that of the operator [utility·s], `large` that of what is not small. `sent` are bytes of samples,
     `offered` those that were generated, copies included, and `room` what the limit has for samples if nobody tells
     anything. `over` is the part of all samples whose window exceeds the limit when they are sent, `worst` the fullest
-    window of all, in limits, as is `largest`, the largest sample. `told` is what robots tell each other, `digests` the
-    part of it in digests, `allowed` what it may be [B/s]. Of small samples `arrived` is the part that came to a
-    receiver, `kept` that which was sent, `age` the age then (median, 95th percentile) [s]. Of alarms: those generated,
-    and sent. `silence` is by robot the longest time without a sample [s].
+    window of all, in limits, as is `largest`, the largest sample; `sustained` is what the fullest 10 s hold, as a part
+    of what the limit allows in that time: at most one where windows divide it and none is over. `told` is what robots
+    tell each other, `digests` the part of it in digests, `allowed` what it may be [B/s]. Of small samples `arrived` is
+    the part that came to a receiver, `kept` that which was sent, `age` the age then (median, 95th percentile) [s]. Of
+    alarms: those generated, and sent. `silence` is by robot the longest time without a sample [s].
     """
 
     utility: float
@@ -49,6 +52,7 @@ class Score:
     room: float
     over: float
     worst: float
+    sustained: float
     largest: float
     told: float
     digests: float
@@ -87,6 +91,7 @@ def score(mission: Mission, flight: Flight, loss: float) -> Score:
         room=mission.carried * seconds / mission.window,
         over=over,
         worst=worst,
+        sustained=_sustained(mission, flight.on_air),
         largest=max(frame.size for frame in mission.frames) / mission.limit,
         told=sum(air.size for air in told) / seconds,
         digests=sum(air.size for air in told if air.digest) / seconds,
@@ -183,32 +188,44 @@ def _part(some: int, of: int) -> float:
 
 def held(mission: Mission, sent: Sequence[OnAir]) -> tuple[Floats, Floats]:
     """Return when each sample was sent [s], and what the closed window that ends then holds of all sends [B]."""
-    times, held, sample = _held(mission, sent)
+    times, held, sample = _held(sent, mission.window)
     return times[sample], held[sample]
 
 
-def _held(mission: Mission, sent: Sequence[OnAir]) -> tuple[Floats, Floats, Flags]:
-    """Return of everything that was sent the time, what the window holds that ends then, and whether it is a sample."""
+def _held(
+    sent: Sequence[OnAir], window: float, begins: Literal["left", "right"] = "left"
+) -> tuple[Floats, Floats, Flags]:
+    """Return of everything that was sent the time, what the window holds that ends then, and whether it is a sample.
+
+    Windows are closed; if one `begins` at the right of its first moment, what was sent in that moment is not in it.
+    """
     ordered = sorted(sent, key=lambda air: air.t)
     times = np.array([air.t for air in ordered], dtype=np.float64)
     sums = np.concatenate(([0.0], np.cumsum([float(air.size) for air in ordered])))
-    held = sums[np.searchsorted(times, times, "right")] - sums[np.searchsorted(times, times - mission.window, "left")]
+    held = sums[np.searchsorted(times, times, "right")] - sums[np.searchsorted(times, times - window, begins)]
     return times, held, np.array([air.frame is not None for air in ordered], dtype=np.bool_)
 
 
 def _windows(mission: Mission, sent: Sequence[OnAir]) -> tuple[float, float]:
     """Return the part of samples whose closed window exceeds the limit, and the fullest window of all sends."""
-    times, held, sample = _held(mission, sent)
+    times, held, sample = _held(sent, mission.window)
     scored = times >= WARM_UP
     over = held[scored & sample] > mission.limit * (1 + EXACT)
     return float(over.mean()) if len(over) else 0.0, float(held[scored].max(initial=0.0) / mission.limit)
 
 
+def _sustained(mission: Mission, sent: Sequence[OnAir]) -> float:
+    """Return what the fullest half-open span of `LONG` holds of all sends, as a part of what the limit allows then."""
+    times, held, _ = _held(sent, LONG, begins="right")
+    return float(held[times >= WARM_UP].max(initial=0.0) / (mission.limit * LONG / mission.window))
+
+
 def _silence(mission: Mission, sends: Sequence[tuple[float, int, int]]) -> dict[str, float]:
-    """Return of each robot the longest time after the warm-up without a sample [s]."""
-    times: dict[str, list[float]] = {robot: [WARM_UP] for robot in mission.robots}
+    """Return of each robot the longest time after the warm-up without a sample of its own, whoever sends it [s]."""
+    robots = [frame.key.partition("/")[0] for frame in mission.frames]
+    times: dict[str, list[float]] = {robot: [WARM_UP] for robot in robots}
     for t, index, _ in sends:
         if t >= WARM_UP:
-            times[mission.frames[index].robot].append(t)
+            times[robots[index]].append(t)
     end = mission.problem.t_end
     return {robot: float(np.diff([*sorted(own), end]).max()) for robot, own in times.items()}

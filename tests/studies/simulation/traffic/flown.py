@@ -10,6 +10,7 @@ SCORE = Score(
     room=1e6,
     over=0.01,
     worst=1.2,
+    sustained=0.9,
     largest=0.5,
     told=300.0,
     digests=200.0,

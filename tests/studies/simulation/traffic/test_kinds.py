@@ -1,11 +1,13 @@
 """Kinds of samples."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from planner import Linear
 from studies.simulation.missions import specs_of
-from studies.simulation.traffic.kinds import START, Kind
+from studies.simulation.traffic.kinds import PAUSES, START, Kind
 
 
 def random():
@@ -42,6 +44,22 @@ def test_sizes_vary_from_sample_to_sample():
     assert 1000 <= anew.min() < 1100
     assert 3900 < anew.max() <= 4000
     assert list(anew) == [int(size) for size in anew]
+
+
+def test_some_streams_pause():
+    """They publish as before, but for pauses of some seconds; the others are as they were."""
+    kind, seeds = Kind("a", Linear(1.0, 1.0), (20, 20), (100, 100)), range(60)
+    pausing = replace(kind, pausing=0.5)
+    always, now_and_then = ([each.times(np.random.default_rng(s), 100.0) for s in seeds] for each in (kind, pausing))
+    paused = [(all_, some) for all_, some in zip(always, now_and_then, strict=True) if len(some) < len(all_)]
+    assert 15 <= len(paused) <= 45
+    for all_, some in paused:
+        assert set(some) < set(all_)
+        begins = np.flatnonzero(np.diff(some) > 1.0)
+        assert len(begins) >= 2
+        assert ((PAUSES[0] <= np.diff(some)[begins]) & (np.diff(some)[begins] <= PAUSES[1] + 0.1)).all()
+        between = np.diff(some[begins])
+        assert ((2 * PAUSES[0] <= between) & (between <= 2 * PAUSES[1] + 0.1)).all()
 
 
 def test_a_kind_is_written_as_a_spec():

@@ -8,7 +8,7 @@ from planner.definition import utility
 from studies.simulation.missions import OPERATOR
 from studies.simulation.records import Delivery, OnAir
 from studies.simulation.scores import scored
-from studies.simulation.traffic.missions import WARM_UP, draw
+from studies.simulation.traffic.missions import WARM_UP, alone, draw
 from studies.simulation.traffic.scores import score, worth
 
 LATENCY = 0.02
@@ -124,6 +124,16 @@ def test_windows_hold_copies_and_what_robots_tell_each_other(mission):
     assert score(mission, flight, 0.0).digests == 0.0
 
 
+def test_what_long_spans_hold_shows_what_is_exceeded_for_good(mission):
+    """One limit in each window is all that is allowed, and shows as one; more shows as so much more."""
+    every = [OnAir(WARM_UP + each * mission.window, "r0", int(mission.limit)) for each in range(60)]
+    assert score(mission, Flight(on_air=every), 0.0).sustained == pytest.approx(1.0, rel=1e-4)
+    twice = [replace(air, size=2 * air.size) if air.t > WARM_UP + 15.0 else air for air in every]
+    assert score(mission, Flight(on_air=twice), 0.0).sustained == pytest.approx(2.0, rel=1e-4)
+    before = [replace(air, t=air.t - WARM_UP - 30.0) for air in every]
+    assert score(mission, Flight(on_air=before), 0.0).sustained == 0.0
+
+
 def test_fill_is_what_was_sent_of_what_could_be(mission):
     """The limit's room, or the offer where that is less."""
     found = score(mission, flown(mission, due(mission)), 0.0)
@@ -142,3 +152,12 @@ def test_the_longest_silence_of_each_robot(mission):
     silence = score(mission, flight, 0.0).silence
     assert silence[robot] == pytest.approx(max(2.9, 0.0), abs=0.25)
     assert [silence[other] for other in mission.robots if other != robot] == [3.0]
+
+
+def test_silence_is_told_of_each_robot_where_one_sends_for_all(mission):
+    """Its samples are told by their keys."""
+    every = due(mission, "odometry")
+    by_one = alone(mission)
+    found = [score(flown_by, flown(flown_by, every), 0.0).silence for flown_by in (mission, by_one)]
+    assert found[0] == found[1]
+    assert set(found[1]) == {"r0", "r1"}
