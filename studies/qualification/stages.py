@@ -5,6 +5,8 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+DRAWN = ("--unequal", "--at-most", "1.5")
+"""Where teams are drawn, robots are unequal, and no 10 s may hold more than so many times what the limit allows."""
 PYTEST = (sys.executable, "-m", "pytest", "--quiet", "--no-header")
 WORKERS = 2 * (os.cpu_count() or 1)
 """Tests at a time, as in the Makefile."""
@@ -70,6 +72,16 @@ STAGES = (
         "study",
         "what teams reach on bad networks, in view.md beside this page",
         (sys.executable, "-m", "studies.benchmarks", "view"),
+    ),
+    Stage(
+        "teams",
+        "simulated teams of up to 12 unequal robots keep to a limit for two minutes",
+        (sys.executable, "-m", "studies.simulation.traffic.drawn", *DRAWN, "--seeds", "30", "--seconds", "110"),
+    ),
+    Stage(
+        "daemons",
+        "teams of up to 12 unequal real daemons do so for half a minute",
+        (sys.executable, "-m", "studies.benchmarks.traffic.drawn", *DRAWN, "--seeds", "10", "--time-limit", "10"),
     ),
     Stage(
         "demo",

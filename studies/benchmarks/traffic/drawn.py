@@ -1,16 +1,19 @@
 """Real daemons on workloads that nobody chose: `python -m studies.benchmarks.traffic.drawn --seeds 120`.
 
-What is drawn is what `studies.simulation.traffic.drawn` flies in simulation, as far as the teams are small enough for
-one machine. One line for each flight goes to standard error, the table to standard output or to the page that
-`--output` names. What follows "--" are flags of every daemon.
+What is drawn is what `studies.simulation.traffic.drawn` flies in simulation, with `--unequal` as there, but always over
+unicast and without loss. `--robots` leaves out teams that are too large for the machine: where one is, applications
+publish late. One line for each flight goes to standard error, tables and last line to standard output, and the tables
+to the page that `--output` names. What follows "--" are flags of every daemon.
 """
 
 import argparse
+import math
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from statistics import fmean
 
 import numpy as np
 
@@ -18,7 +21,7 @@ from studies.benchmarks.report import Table, machine, write_page
 from studies.benchmarks.traffic.agenda import draw
 from studies.benchmarks.traffic.figures import Best, Figures, Worth, best, figures, reached
 from studies.benchmarks.traffic.flight import fly
-from studies.simulation.traffic.drawn import Drawn, drawn_by, first_seed
+from studies.simulation.traffic.drawn import ROBOTS, Drawn, drawn_by, first_seed
 
 COLUMNS = (
     "workload",
@@ -27,9 +30,11 @@ COLUMNS = (
     "bytes of the best",
     "windows over",
     "fullest",
+    "10 s",
     "robot [ms/sample]",
     "late p99 [ms]",
 )
+UNEQUAL = ", of teams whose robots have kinds of their own (`of`: so many have one), with streams that pause"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,13 +52,17 @@ class Result:
         return self.worth.everything / self.best.worth.everything
 
 
+def drawn_for(seeds: Sequence[int], robots: int, *, unequal: bool = False) -> list[Drawn]:
+    """Draw workloads, but for larger teams than so many `robots` and where nothing is disputed."""
+    drawn = [drawn_by(seed, unequal=unequal) for seed in seeds]
+    return [each for each in drawn if each.disputed and len(each.workload.robots) <= robots]
+
+
 def results(
-    seeds: Sequence[int], robots: int, seconds: float, time_limit: float, flags: Sequence[str] = ()
+    workloads: Sequence[Drawn], seconds: float, time_limit: float, flags: Sequence[str] = ()
 ) -> Iterator[Result]:
-    """Fly what seeds draw for so long [s], but for larger teams than so many `robots` and where nothing is disputed."""
-    for drawn in map(drawn_by, seeds):
-        if not drawn.disputed or len(drawn.workload.robots) > robots:
-            continue
+    """Fly workloads for so long [s]; the search for the best takes `time_limit` [s]."""
+    for drawn in workloads:
         workload = drawn.workload
         flight = fly(draw(workload, seconds, drawn.seed), workload.spec(), flags=flags)
         of, worth = figures(flight, workload), reached(flight, workload)
@@ -68,11 +77,12 @@ def tables(found: Sequence[Result], seconds: float) -> list[Table]:
     shares = [f"{np.quantile(parts, quantile):.1%}" for quantile in (0.0, 0.1, 0.25, 0.5)]
     over = [each.figures.over for each in found]
     summary = (*shares, f"{np.mean(over):.1%}", f"{max(each.figures.worst for each in found):.0%}")
+    unequal = UNEQUAL if any(each.drawn.unequal for each in found) else ""
     note = (
-        f"{len(found)} workloads, flights of {seconds:g} s over unicast. Of the best: the plan of whole messages with"
-        " most utility, known offline; `gap`: what it lacks of what no plan can exceed. Windows of all sends, digests"
-        " included, as they crossed the links. Late: by how much applications published later than due, which is the"
-        " machine's doing. Sizes in limits."
+        f"{len(found)} workloads, flights of {seconds:g} s over unicast{unequal}. Of the best: the plan of whole"
+        " messages with most utility, known offline; `gap`: what it lacks of what no plan can exceed. Windows of all"
+        " sends, digests included, as they crossed the links; 10 s: the fullest, of what the limit allows then. Late:"
+        " by how much applications published later than due, which is the machine's doing. Sizes in limits."
     )
     return [
         Table(
@@ -82,8 +92,44 @@ def tables(found: Sequence[Result], seconds: float) -> list[Table]:
     ]
 
 
+def last_line(found: Sequence[Result]) -> str:
+    """Return what came of all in one line."""
+    parts, over = [each.part for each in found], fmean(each.figures.over for each in found)
+    return (
+        f"{len(found)} flights, {np.median(parts):.1%} of the best plan ({min(parts):.1%} at least), {over:.1%} of"
+        f" windows over, fullest 10 s {max(each.figures.sustained for each in found):.0%}"
+    )
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Fly, and tell what was found."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    seeds = range(options.first, options.first + options.seeds)
+    workloads = drawn_for(seeds, options.robots, unequal=options.unequal)
+    if not workloads:
+        parser.error("none of these seeds draws a team of so few robots that has something to dispute")
+    found = list(results(workloads, options.seconds, options.time_limit, options.flags))
+    pages = tables(found, options.seconds)
+    print(machine())
+    for page in pages:
+        print(f"\n{page.text()}")
+    print(f"\n{last_line(found)}")
+    if options.output:
+        write_page(options.output, "Real daemons on drawn workloads", pages, datetime.now(UTC), _command(options))
+    return int(max(each.figures.sustained for each in found) > options.at_most)
+
+
+def _command(options: argparse.Namespace) -> str:
+    """Return the command that flies the same again."""
+    return (
+        f"python -m studies.benchmarks.traffic.drawn --first {options.first} --seeds {options.seeds}"
+        f" --robots {options.robots} --seconds {options.seconds:g} --time-limit {options.time_limit:g}"
+        f"{' --unequal' if options.unequal else ''}"
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m studies.benchmarks.traffic.drawn",
         description=__doc__,
@@ -92,28 +138,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--first", type=int, default=first_seed(datetime.now(UTC).date()), help="first seed (default: by the day)"
     )
-    parser.add_argument("--seeds", type=int, default=120, help="so many of them are drawn (default: 120)")
-    parser.add_argument("--robots", type=int, default=4, help="teams of so many at most (default: 4)")
-    parser.add_argument("--seconds", type=float, default=25.0, help="length of each flight (default: 25)")
-    parser.add_argument("--time-limit", type=float, default=20.0, help="for the best plan [s] (default: 20)")
-    parser.add_argument("--output", type=Path, help="file of a page with the tables")
-    parser.add_argument("flags", nargs="*", help="of every daemon")
-    options = parser.parse_args(arguments)
-    seeds = range(options.first, options.first + options.seeds)
-    found = list(results(seeds, options.robots, options.seconds, options.time_limit, options.flags))
-    if not found:
-        parser.error("none of these seeds draws a small team that has something to dispute")
-    pages = tables(found, options.seconds)
-    print(machine())
-    for page in pages:
-        print(f"\n{page.text()}")
-    if options.output:
-        command = (
-            f"python -m studies.benchmarks.traffic.drawn --first {options.first} --seeds {options.seeds}"
-            f" --robots {options.robots} --seconds {options.seconds:g} --time-limit {options.time_limit:g}"
-        )
-        write_page(options.output, "Real daemons on drawn workloads", pages, datetime.now(UTC), command)
-    return 0
+    add = parser.add_argument
+    add("--seeds", type=int, default=120, help="so many of them are drawn (default: 120)")
+    add("--robots", type=int, default=max(ROBOTS), help=f"teams of so many at most (default: {max(ROBOTS)}, all)")
+    add("--unequal", action="store_true", help="teams whose robots have kinds of their own")
+    add("--seconds", type=float, default=25.0, help="length of each flight (default: 25)")
+    add("--time-limit", type=float, default=20.0, help="for the best plan [s] (default: 20)")
+    add("--at-most", type=float, default=math.inf, help="fail where 10 s hold more than so many times the limit")
+    add("--output", type=Path, help="file of a page with the tables")
+    add("flags", nargs="*", help="of every daemon")
+    return parser
 
 
 def _row(found: Result) -> tuple[str, ...]:
@@ -125,6 +159,7 @@ def _row(found: Result) -> tuple[str, ...]:
         f"{of.sent / found.best.size:.0%}",
         f"{of.over:.1%}",
         f"{of.worst:.0%}",
+        f"{of.sustained:.0%}",
         f"{1e3 * of.robots:.2f}",
         f"{1e3 * of.late:.1f}",
     )

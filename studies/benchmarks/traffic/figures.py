@@ -13,6 +13,7 @@ from studies.benchmarks.traffic.problem import published
 from studies.demo.layout import OPERATOR
 from studies.simulation.traffic.kinds import Kind
 from studies.simulation.traffic.plan import best_plan
+from studies.simulation.traffic.scores import LONG
 from studies.simulation.traffic.workloads import Workload
 
 WARM_UP = 3.0
@@ -40,6 +41,8 @@ class Ages:
 class Figures:
     """Of a flight after the warm-up. `over` is the part of windows over the limit, `worst` the fullest one in limits.
 
+    `sustained` is what the fullest 10 s hold, as a part of what the limit allows in that time.
+
     `sent` are bytes of samples, `told` what daemons tell each other and `framing` what Zenoh adds to samples, both in
     B/s; `processor` is what each daemon takes for a sample of its robot (the operator's: for one that comes) [s].
     `late` is how much later than due applications published, at the 99th percentile [s].
@@ -50,6 +53,7 @@ class Figures:
     sent: float
     over: float
     worst: float
+    sustained: float
     told: float
     framing: float
     processor: Mapping[str, float]
@@ -73,6 +77,7 @@ def figures(flight: Flight, workload: Workload) -> Figures:
         sent=float(sent),
         over=float(np.mean(windows > 1.0)) if len(windows) else 0.0,
         worst=float(windows.max(initial=0.0)),
+        sustained=float(_windows(flight, LONG - EXACT).max(initial=0.0) / (workload.rate * LONG)),
         told=told / (flight.seconds - WARM_UP),
         framing=(wire - told - sent) / (flight.seconds - WARM_UP),
         processor=_processor(flight),

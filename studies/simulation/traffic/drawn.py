@@ -7,6 +7,7 @@ reached 95.1. So each day draws its own, unless a first seed is named.
 """
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Sequence
@@ -260,6 +261,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=240)
     parser.add_argument("--seconds", type=float, default=30.0, help="of a flight, 5 s of warm-up included")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument(
+        "--at-most", type=float, default=math.inf, help="fail where 10 s hold more than so many times the limit"
+    )
     parser.add_argument("--output", type=Path, help="write the tables there, as a Markdown page")
     parser.add_argument("--unequal", action="store_true", help="teams whose robots have kinds of their own")
     options = parser.parse_args(arguments)
@@ -274,7 +278,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(last_line(found))
     if options.output:
         write_page(options.output, TITLE, tables(found, options.seconds), datetime.now(UTC), _command(options))
-    return 0
+    return int(max(each.sustained for each in found) > options.at_most)
 
 
 def _command(options: argparse.Namespace) -> str:

@@ -139,6 +139,7 @@ def test_a_window_over_the_limit_is_found():
     found = figures(replace(flight(), crossed=crossed), Case(robots=1).workload)
     assert found.over == 0.25
     assert found.worst == pytest.approx(78_000 / 62_500)
+    assert found.sustained == pytest.approx(104_000 / 1_250_000)
 
 
 def test_the_best_plan_is_worth_more_than_what_arrived():
@@ -205,10 +206,42 @@ def test_real_daemons_fly_what_is_drawn(tmp_path, capsys):
     assert 20.0 < reached_of_best <= 105.0
     assert drawn.offer in page.read_text()
     assert drawn.offer in out
+    assert out.splitlines()[-1].startswith("1 flights, ")
+
+
+@pytest.mark.full
+def test_real_daemons_fly_unequal_teams(tmp_path, capsys):
+    """Some robots have nothing to publish, and some streams pause; the page says how to fly the same again."""
+    page, (drawn,) = tmp_path / "drawn_daemons.md", drawn_daemons.drawn_for([UNEQUAL], 12, unequal=True)
+    assert () in drawn.workload.robots
+    arguments = ["--first", str(UNEQUAL), "--seeds", "1", "--seconds", "8", "--time-limit", "5", "--unequal"]
+    assert drawn_daemons.main([*arguments, "--output", str(page)]) == 0
+    assert drawn.offer in capsys.readouterr().out
+    assert f"--first {UNEQUAL} --seeds 1 --robots 12 --seconds 8 --time-limit 5 --unequal" in page.read_text()
+
+
+UNEQUAL = 81
+"""Draws an unequal team of two robots, the first of which has nothing."""
 
 
 def test_what_is_drawn_has_to_be_disputed_and_small(capsys):
     """Else nothing is flown, and the command says so."""
     with pytest.raises(SystemExit):
         drawn_daemons.main(["--first", "80", "--seeds", "1"])
-    assert "small team" in capsys.readouterr().err
+    assert "something to dispute" in capsys.readouterr().err
+    few = drawn_daemons.drawn_for(range(40), 3, unequal=True)
+    assert few
+    assert all(drawn.disputed and len(drawn.workload.robots) <= 3 for drawn in few)
+    assert set(few) < set(drawn_daemons.drawn_for(range(40), 12, unequal=True))
+
+
+def test_the_last_line_tells_the_worst_of_all_flights():
+    """And the median of what was reached."""
+    workload, drawn = Case(robots=1).workload, drawn_by(81)
+    of, could = figures(flight(), workload), best(flight(), workload, 10.0)
+    parts = (could.worth, replace(could.worth, everything=0.5 * could.worth.everything))
+    found = [drawn_daemons.Result(drawn, of, worth, could) for worth in parts]
+    expected = (
+        f"2 flights, 75.0% of the best plan (50.0% at least), 0.0% of windows over, fullest 10 s {of.sustained:.0%}"
+    )
+    assert drawn_daemons.last_line(found) == expected
