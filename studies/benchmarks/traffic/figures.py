@@ -41,11 +41,10 @@ class Ages:
 class Figures:
     """Of a flight after the warm-up. `over` is the part of windows over the limit, `worst` the fullest one in limits.
 
-    `sustained` is what the fullest 10 s hold, as a part of what the limit allows in that time.
-
-    `sent` are bytes of samples, `told` what daemons tell each other and `framing` what Zenoh adds to samples, both in
-    B/s; `processor` is what each daemon takes for a sample of its robot (the operator's: for one that comes) [s].
-    `late` is how much later than due applications published, at the 99th percentile [s].
+    `sustained` is what the fullest 10 s hold, as a part of what the limit allows in that time. `sent` are bytes of
+    samples, `told` what daemons tell each other and `framing` what Zenoh adds to samples, both in B/s; `processor` is
+    what each daemon takes for a sample of its robot (the operator's: for one that comes) [s]. `late` is how much later
+    than due applications published, at the 99th percentile [s].
     """
 
     kinds: Mapping[str, Ages]
