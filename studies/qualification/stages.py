@@ -76,12 +76,12 @@ STAGES = (
     Stage(
         "teams",
         "simulated teams of up to 12 unequal robots keep to a limit for two minutes",
-        (sys.executable, "-m", "studies.simulation.traffic.drawn", *DRAWN, "--seeds", "30", "--seconds", "110"),
+        (sys.executable, "-m", "studies.simulation.traffic.drawn", *DRAWN, "--seeds", "60", "--seconds", "110"),
     ),
     Stage(
         "daemons",
         "teams of up to 12 unequal real daemons do so for half a minute",
-        (sys.executable, "-m", "studies.benchmarks.traffic.drawn", *DRAWN, "--seeds", "10", "--time-limit", "10"),
+        (sys.executable, "-m", "studies.benchmarks.traffic.drawn", *DRAWN, "--seeds", "10"),
     ),
     Stage(
         "demo",
