@@ -220,7 +220,7 @@ def claim(now: float, stream: Stream) -> Claim:
     What never sent gains all that a sample is worth. Where its claim was the best of all a robot whose samples of 0.4
     limits nobody ever sends held up twelve unequal ones for ever (76 % of a central decider, 91 now).
     """
-    since = TUNING.claim_longest if stream.sent is None else max(0.0, now - stream.sent.t_sent)
+    since = TUNING.worthless if stream.sent is None else max(0.0, now - stream.sent.t_sent)
     utility, over = stream.information_type.utility, excess(stream)
     anew = integral(utility, since)
     gain = stream.newest.scale * ((1.0 + TUNING.claim_worth) * anew - (integral(utility, 2.0 * since) - anew))

@@ -152,7 +152,7 @@ def test_who_is_in_debt_by_what_others_told_announces_about_half_as_much_as_its_
     """Those who did not hear that go on to use up the allowance, so the debt lasts."""
     budget, told, cost = budget_of(1000.0, robots=3), 0, (SIZE + OVERHEAD) * 3
     budget.sent(0.0, SIZE, 3, announces=True)
-    budget.heard(0.0, 6000, 1)
+    budget.heard(0.0, 60_000, 1)
     for step in range(1000):
         now = 0.02 * step
         budget.heard(now, 20 - OVERHEAD, 1)
@@ -160,6 +160,27 @@ def test_who_is_in_debt_by_what_others_told_announces_about_half_as_much_as_its_
             budget.sent(now, SIZE, 3, announces=True)
             told += 1
     assert 0.8 <= told * cost / (0.5 * 1000.0 * 20.0 / 3) <= 1.0
+
+
+@pytest.mark.parametrize("more", [100, 1000, 4000])
+def test_who_counts_a_little_more_as_owed_announces_nearly_as_often(more):
+    """Three always have something to announce; one of them heard of more than the others."""
+    budgets, told = [budget_of(1000.0, robots=3) for _ in range(3)], [0, 0, 0]
+    for budget in budgets:
+        budget.heard(0.0, 5000, 1)
+    budgets[0].heard(0.0, more, 1)
+    for step in range(6000):
+        now = 0.01 * step
+        first = min(range(3), key=lambda at: budgets[at].due_ahead(now, AHEAD, announces=True))
+        if budgets[first].due_ahead(now, AHEAD, announces=True) > now:
+            continue
+        told[first] += 1
+        budgets[first].sent(now, SIZE, 3, announces=True)
+        for other in {0, 1, 2} - {first}:
+            budgets[other].heard(now, SIZE, 3)
+    cost = (SIZE + OVERHEAD) * 3
+    assert told[0] >= 0.4 * max(told)
+    assert sum(told) * cost <= 1000.0 * 60.0 + TUNING.deepest_debt * 1000.0
 
 
 @pytest.mark.parametrize("window", [0.25, 0.5, 0.9])
