@@ -161,12 +161,14 @@ class CoordinationTuning:
     size_deviations: tuple[float, ...] = (-1.2, -0.7, -0.2, 0.2, 0.7, 1.2, 2.0)
     """Sizes of a stream are taken to be so many standard deviations from their mean."""
 
-    use_memory: float = 5.0
-    """What a robot of a large team uses counts by exponential weights with this time constant [s]..."""
-    use_known: float = 2.0
-    """... and not before it was looked at for so long [s]."""
+    use_memory: float = 10.0
+    """What a robot uses of its part counts by exponential weights with this time constant [windows]..."""
+    use_known: float = 4.0
+    """... and not before it was looked at for so long [windows]."""
     use_deviations: float = 1.5
     """Room for so many standard deviations of what all use is left (2.5: fifty robots 92.5 % of central, not 93.6)."""
+    agreed_deviations: float = 2.5
+    """And for so many where robots agreed on parts, which are as unlike as what they use of them."""
     few_deviations: float = 4.0
     """And for as many more as this divided by the robots: half of it left six robots with 3.8 % of the windows over."""
     turn_parts: float = 1.5
