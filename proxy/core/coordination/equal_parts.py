@@ -118,13 +118,11 @@ class EqualParts:
         self.by_clock = False
         """Whether messages that are larger than an equal part go by turns that nobody agrees on."""
         self._overbooking = Overbooking(TUNING.use_deviations)
-        self._window = 0.0
-        """The longest window of a shared limit [s]."""
         self._turns = ClockTurns(now, ())
 
     def set_windows(self, now: float, windows: Sequence[float]) -> None:
         """The shared limits have these windows now [s]."""
-        self._turns, self._window = ClockTurns(now, windows), max(windows, default=0.0)
+        self._turns = ClockTurns(now, windows)
 
     def look(
         self, now: float, view: SharedView, limits: tuple[Limit, ...], team: Team, using: Callable[[float], float]
@@ -132,7 +130,7 @@ class EqualParts:
         """See who has parts, how large messages are, and what part is used, by `using`, of what we may."""
         self._turns.look(view, limits, team)
         self.by_clock = team.large or team.gave_up or self._turns.needed
-        self._overbooking.advance(now, using(now), team.sharing, self._window)
+        self._overbooking.advance(now, using(now), team.sharing)
 
     def rest(self) -> None:
         """Nobody has an equal part."""

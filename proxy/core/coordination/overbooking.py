@@ -31,14 +31,14 @@ class Overbooking:
         if log is None or any(table.turns for table in log):
             self.factor = 1.0
         else:
-            self.advance(now, using(now), log.agreed.allocation.alike, window)
+            self.advance(now, using(now), log.agreed.allocation.alike, TUNING.agreed_memory * window)
 
-    def advance(self, now: float, used: float, robots: float, window: float) -> None:
-        """Of what we may use within the windows that end now, so long at most [s], this part is used.
+    def advance(self, now: float, used: float, robots: float, memory: float = TUNING.use_memory) -> None:
+        """Of what we may use within the windows that end now this part is used; it counts with this `memory` [s].
 
         In a team with parts that vary together as so many equal ones.
         """
-        since, memory = now - self._looked, TUNING.use_memory * window
+        since = now - self._looked
         if since > memory:
             self._began, self._weight, self._mean, self._square = now, 0.0, 0.0, 0.0
             since = 0.0
@@ -47,7 +47,7 @@ class Overbooking:
         self._weight = fades * self._weight + 1.0 - fades
         self._mean = fades * self._mean + (1.0 - fades) * used
         self._square = fades * self._square + (1.0 - fades) * used * used
-        if now < self._began + TUNING.use_known * window:
+        if now < self._began + TUNING.use_known * memory:
             self.factor = 1.0
             return
         mean, square = self._mean / self._weight, self._square / self._weight

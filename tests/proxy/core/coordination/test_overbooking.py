@@ -17,14 +17,14 @@ def looked(overbooking, used, robots=50, seconds=30.0, now=0.0):
     """Robots use of their part what `used` says, at each look; return when the last one was."""
     for step in range(round(seconds / PACE)):
         now += PACE
-        overbooking.advance(now, used(step), robots, WINDOW)
+        overbooking.advance(now, used(step), robots)
     return now
 
 
 def test_at_first_a_part_is_a_part():
     """What seldom happens is not known yet."""
     overbooking = Overbooking(TUNING.use_deviations)
-    looked(overbooking, lambda _: 0.1, seconds=0.9 * TUNING.use_known * WINDOW)
+    looked(overbooking, lambda _: 0.1, seconds=0.9 * TUNING.use_known * TUNING.use_memory)
     assert overbooking.factor == 1.0
 
 
@@ -59,7 +59,7 @@ def test_all_together_use_what_they_have():
         for overbooking, filled in team:
             used = rng.choice([filled, filled, 0.5 * filled])
             use += used * overbooking.factor / robots
-            overbooking.advance(step * PACE, used, robots, WINDOW)
+            overbooking.advance(step * PACE, used, robots)
         together.append(use)
     settled = together[len(together) // 2 :]
     assert 0.8 < sum(settled) / len(settled) < 1.0
@@ -70,7 +70,7 @@ def test_a_team_that_is_large_again_begins_anew():
     """What was used long ago says nothing of now."""
     overbooking = Overbooking(TUNING.use_deviations)
     now = looked(overbooking, lambda _: 0.2)
-    overbooking.advance(now + 2.0 * TUNING.use_memory * WINDOW, 1.0, 50, WINDOW)
+    overbooking.advance(now + 2.0 * TUNING.use_memory, 1.0, 50)
     assert overbooking.factor == 1.0
 
 
