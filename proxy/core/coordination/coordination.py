@@ -5,7 +5,8 @@ less than about a quarter of the window, and while digests fit into their allowa
 
 `split`: each robot has a part of every limit (`proxy.core.split`), and needs no news of the others. An operator
 configures it, or a team changes over where news take too long, announcements cost too much, or in unicast large samples
-of all come seldom (`team.py`). Where no agreement comes about all plan for all and try again later (`patience.py`).
+of all come seldom (`team.py`): then each may overbook its part (`overbooking.py`). Where no agreement comes about all
+plan for all and try again later (`patience.py`).
 
 A large team would take a minute to agree: there each robot has an equal part, which it may overbook, and larger
 messages go by turns of the clock (`equal_parts.py`); so it is in smaller teams of small messages where announcements
