@@ -5,7 +5,8 @@ less than about a quarter of the window, and while digests fit into their allowa
 
 `split`: each robot has a part of every limit (`proxy.core.split`), and needs no news of the others. An operator
 configures it, or a team changes over where news take too long, announcements cost too much, or in unicast large samples
-of all come seldom (`team.py`). Where no agreement comes about all plan for all and try again later (`patience.py`).
+of all come seldom (`team.py`): then each may overbook its part (`overbooking.py`). Where no agreement comes about all
+plan for all and try again later (`patience.py`).
 
 A large team would take a minute to agree: there each robot has an equal part, which it may overbook, and larger
 messages go by turns of the clock (`equal_parts.py`); so it is in smaller teams of small messages where announcements
@@ -19,6 +20,7 @@ from proxy.core.coordination.demands import bid, usual
 from proxy.core.coordination.equal_parts import NOT_NEEDED, NOT_NOW, EqualParts, Turn
 from proxy.core.coordination.formation import Formation, Meanwhile
 from proxy.core.coordination.hollow import Hollow
+from proxy.core.coordination.overbooking import Overbooking
 from proxy.core.coordination.team import Asking, Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, fingerprint
@@ -43,7 +45,7 @@ class Coordination:
         self._kind: tuple[tuple[float, ...], int] = (), 0
         """What the split is of: the windows of the shared limits [s], and the fingerprint of the specs."""
         self._split: Split | None = None
-        self.equal = EqualParts(now)
+        self.equal, self._overbooking = EqualParts(now), Overbooking(TUNING.agreed_deviations)
         self.hollow = Hollow()
         self.keeps = 0.0
         """The part that we keep to, where claims of others are hollow: nothing that they send counts against it."""
@@ -83,7 +85,7 @@ class Coordination:
             return self.equal.part(self.team)
         ours = split.own_part.of(now, k)
         if self.formation.established:
-            return ours
+            return min(1.0, ours * self._overbooking.factor)
         equal = (1.0 - self._settings.floor) / self.team.robots
         return max(ours, min(equal, split.agreement.exclusive / UNIT))
 
@@ -206,7 +208,7 @@ class Coordination:
         announcing: Callable[[Sequence[Asking]], float],
         using: Callable[[float], float],
     ) -> None:
-        """See whether the team has to split, and what each may use where nobody agrees on parts."""
+        """See whether the team has to split, and what each may use beyond its part, or where nobody agrees on any."""
         self.looks_at = now + TUNING.interval
         split = self.split_in_force
         asked = split is not None and split.agreement.rivals
@@ -221,6 +223,10 @@ class Coordination:
             self.equal.look(now, self._view, limits, self.team, using)
         else:
             self.equal.rest()
+        # Parts by configuration, or as news are late, hold a limit in every window.
+        lasting = self.formation.established and self.team.tight and not self.team.strict
+        log = split.agreement.log if lasting and (split := self.split_in_force) is not None else None
+        self._overbooking.look(now, log, using, max(self._kind[0], default=0.0))
 
     def announcement(self, now: float) -> SplitReport | None:
         """Return what a digest says of parts; None where all plan for all, or we cannot tell yet what we need."""

@@ -165,11 +165,17 @@ class CoordinationTuning:
     """Sizes of a stream are taken to be so many standard deviations from their mean."""
 
     use_memory: float = 5.0
-    """What a robot of a large team uses counts by exponential weights with this time constant [s]..."""
-    use_known: float = 2.0
-    """... and not before it was looked at for so long [s]."""
+    """What a robot uses of an equal part counts by exponential weights with this time constant [s]..."""
+    agreed_memory: float = 10.0
+    """... of one that all agreed on with this one [windows]; with ten windows of 1 s of equal parts 2.4 % of windows
+    of eight robots more were over the limit..."""
+    use_known: float = 0.4
+    """... and not before it was looked at for this part of that."""
     use_deviations: float = 1.5
     """Room for so many standard deviations of what all use is left (2.5: fifty robots 92.5 % of central, not 93.6)."""
+    agreed_deviations: float = 2.5
+    """And for so many where robots agreed on parts, as they use them unalike: with 1.5 up to 6 % of the windows of
+    twelve unequal robots were over the limit, and their teams reached up to 2 % more."""
     few_deviations: float = 4.0
     """And for as many more as this divided by the robots: half of it left six robots with 3.8 % of the windows over."""
     turn_parts: float = 1.5

@@ -22,7 +22,8 @@ Why the union holds. Versions only grow, and a robot that loses sight of another
 and all robots have their tables in one order, as far as these were agreed on. Take the last table that anybody agreed
 on. Everybody had it, and nobody has agreed on a later one, so it is among the tables of which each takes the least: no
 part is more than that table gives, and its parts sum to at most the whole. A lost, late or repeated digest can only
-delay an agreement; until then, room stays unused.
+delay an agreement; until then, room stays unused. That is so where an operator configures a split; where a team
+changes over by itself a robot may use more than its part, as few use theirs at once (`coordination/overbooking.py`).
 
 Two teams that meet reserve equal parts for each other, so the union exceeds a limit only until each has seen all of the
 other, and one window more. One that is back after a moment reserves nothing: who agreed on a table without it has the

@@ -40,6 +40,11 @@ class Allocation:
         """All of it together [units]."""
         return sum(self.parts.values()) + sum(slot.size for slot in self.slots)
 
+    @property
+    def alike(self) -> float:
+        """Of how many robots equal parts would vary together by as much as these do, if each varies by itself."""
+        return self.total**2 / max(1, sum(part * part for part in self.parts.values()))
+
     def carries(self, tag: str, amount: int) -> bool:
         """Whether a message that takes so much of a limit fits what a robot has [units]."""
         return self.largest(tag) >= _needed(amount)

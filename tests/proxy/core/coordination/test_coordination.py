@@ -276,6 +276,18 @@ def test_a_team_of_equal_messages_sends_its_first_one_as_it_comes(contender, rob
     assert over <= 2
 
 
+def test_who_asks_for_parts_by_configuration_uses_no_more_than_its_part(make_team):
+    """However little of it it uses."""
+    parts = []
+    for using in (0.1, 1.0):
+        team = make_team((), coordination="split")
+        for _ in range(200):
+            team.look(using=using)
+        assert team.coordination.formation.established
+        parts.append(team.coordination.part(team.now, 0))
+    assert 0.0 < parts[0] == parts[1] < 1.0
+
+
 @pytest.mark.full
 def test_all_keep_to_their_parts_once_these_have_been_agreed_on_for_a_window():
     """Nobody has to announce what it sends any more."""

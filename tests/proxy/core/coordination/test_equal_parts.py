@@ -1,12 +1,11 @@
-"""Equal parts of a large team: what a robot uses beyond its own, and turns by the clock, which all know."""
+"""Equal parts of a large team: turns by the clock, which all know."""
 
 import math
-import random
 from itertools import pairwise
 
 import pytest
 
-from proxy.core.coordination.equal_parts import NOT_NEEDED, ClockTurns, Overbooking
+from proxy.core.coordination.equal_parts import NOT_NEEDED, ClockTurns
 from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import limits_of
@@ -131,67 +130,3 @@ def test_turns_are_needed_for_messages_much_larger_than_an_equal_part(make_turns
     """Of seven robots each has a seventh, and such messages of several at once are more than the limit."""
     assert make_turns(7, 2, part).needed is needed
     assert make_turns(7, 2, 0.02, told=part, tellers=6).needed is needed
-
-
-PACE = 0.25
-
-
-def looked(overbooking, used, robots=50, seconds=30.0, now=0.0):
-    """Robots use of their part what `used` says, at each look; return when the last one was."""
-    for step in range(round(seconds / PACE)):
-        now += PACE
-        overbooking.advance(now, used(step), robots)
-    return now
-
-
-def test_at_first_a_part_is_a_part():
-    """What seldom happens is not known yet."""
-    overbooking = Overbooking()
-    looked(overbooking, lambda _: 0.1, seconds=0.9 * TUNING.use_known)
-    assert overbooking.factor == 1.0
-
-
-@pytest.mark.parametrize(
-    ("used", "factor"), [(1.0, 1.0), (0.8, 1.25), (0.1, TUNING.overbooked), (0.0, TUNING.overbooked)]
-)
-def test_who_uses_little_of_what_it_may_may_use_more(used, factor):
-    """So much more that it uses its part in the mean, and never more than a few times that."""
-    overbooking = Overbooking()
-    looked(overbooking, lambda _: used)
-    assert overbooking.factor == pytest.approx(factor)
-
-
-def test_room_is_left_for_what_use_varies_by():
-    """Less the more robots there are: their deviations add up to less."""
-    found = []
-    for robots in (25, 100):
-        overbooking = Overbooking()
-        looked(overbooking, lambda step: (0.3, 0.9)[step % 2], robots)
-        found.append(1.0 / overbooking.factor)
-    assert found == pytest.approx(
-        [0.6 + TUNING.use_deviations * 0.3 / 5.0, 0.6 + TUNING.use_deviations * 0.3 / 10.0], abs=0.02
-    )
-
-
-def test_all_together_use_what_they_have():
-    """Robots as unlike as they may be, whose messages are a small or a large part of what they may use."""
-    rng, robots, together = random.Random(1), 40, []
-    team = [(Overbooking(), rng.uniform(0.3, 1.0)) for _ in range(robots)]
-    for step in range(400):
-        use = 0.0
-        for overbooking, filled in team:
-            used = rng.choice([filled, filled, 0.5 * filled])
-            use += used * overbooking.factor / robots
-            overbooking.advance(step * PACE, used, robots)
-        together.append(use)
-    settled = together[len(together) // 2 :]
-    assert 0.8 < sum(settled) / len(settled) < 1.0
-    assert sum(use > 1.0 for use in settled) <= 0.05 * len(settled)
-
-
-def test_a_team_that_is_large_again_begins_anew():
-    """What was used long ago says nothing of now."""
-    overbooking = Overbooking()
-    now = looked(overbooking, lambda _: 0.2)
-    overbooking.advance(now + 2.0 * TUNING.use_memory, 1.0, 50)
-    assert overbooking.factor == 1.0

@@ -24,6 +24,14 @@ def test_parts_and_slots_never_exceed_the_limit_less_the_floor(table, floor):
     assert set(allocation.parts) == set(table)
 
 
+@pytest.mark.parametrize(("amounts", "alike"), [((900, 900, 900), 3.0), ((2400, 0, 0), 1.0), ((1600, 800), 1.8)])
+def test_unequal_parts_vary_as_fewer_equal_ones(amounts, alike):
+    """One that is large beside the others varies nearly as a single robot does."""
+    table = {f"r{number}": (Segment(amount, 100),) for number, amount in enumerate(amounts) if amount}
+    allocation = allocate(table, len(amounts), UNIT - sum(amounts))
+    assert allocation.alike == pytest.approx(alike, rel=0.01)
+
+
 @given(tables)
 def test_the_order_in_which_bids_were_heard_changes_nothing(table):
     """All who have the same table compute the same parts."""
