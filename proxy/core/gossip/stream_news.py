@@ -19,6 +19,8 @@ class StreamNews:
     def __init__(self) -> None:
         self.waiting = False
         """Whether there was news when it was last looked for."""
+        self.left = False
+        """Whether there was more than was told last."""
         self.unknown = False
         """Whether a stream was found then that was never announced."""
         self._revision = 0
@@ -62,6 +64,7 @@ class StreamNews:
         news.sort(key=lambda entry: -self._weight(*entry))
         refreshed = [entry for entry in self._old(now, current) if entry not in news] if only is None else []
         chosen = _fitting((news + refreshed[: TUNING.refreshed])[: TUNING.streams])
+        self.left = len(chosen) < len(news)
         self._announced.update({s.key: (now, d) for s, d in chosen})
         self._ever = (self._ever & known) | {s.key for s, _ in chosen}
         return tuple(digest for _, digest in chosen)

@@ -75,7 +75,7 @@ def test_fields_that_a_later_version_adds_are_left_out(kind, name, version):
         fields[3] = [[*stream, "new"] for stream in fields[3][2:]]
         case = case | {"means": case["means"] | {"streams": case["means"]["streams"][2:]}}
     elif kind == "digest":
-        fields += [[]] * (9 - len(fields))
+        fields += [[]] * (9 - len(fields)) + [0] * (len(fields) < 10)
     elif name == "told":
         fields[4] = [[*stream, *STREAM_ENDS[len(stream) :], "new", 1] for stream in fields[4]]
         fields += [[]] * (15 - len(fields))
