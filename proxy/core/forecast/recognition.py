@@ -127,7 +127,8 @@ class History:
     def note(self, sample: Numbered, *, paused: bool) -> None:
         """A sample comes after the last one, perhaps after a pause."""
         if self.past and not paused:
-            self.longest_gap = max(sample[1] - self.past[-1][1], TUNING.gap_fade * self.longest_gap)
+            (count, before), (number, t) = self.past[-1], sample
+            self.longest_gap = max((t - before) / (number - count), TUNING.gap_fade * self.longest_gap)
         self.first = self.first or sample
         self.past.append(sample)
         self.seen += 1

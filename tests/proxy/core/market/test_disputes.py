@@ -408,6 +408,7 @@ def test_only_who_has_the_best_claim_waits_for_room_that_others_leave(talk, wort
         news = StreamDigest(1, k + 2, 1, 3.0 + 0.1 * k, 1.95, FRAME, worth)
         talk.tell(ev.DigestHeard(3.05 + 0.1 * k, Digest("r2", tag("z-r2"), 3.04 + 0.1 * k, streams=(news,), state=1)))
     talk.tell(ev.SampleHeard(4.0, "robot/r3/camera", 60_000, "zz-unknown", None, {"red": 0.0}))
+    run(talk, 3.5, 4.4, send=False)
     sample, said = talk.publish(4.45, "robot/r1/camera", size=FRAME)
     if worth > 1.0:
         assert Drop(sample, "dropped:constraint") in only(said)
