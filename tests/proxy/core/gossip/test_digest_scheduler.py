@@ -531,3 +531,18 @@ def test_nothing_is_told_before_it_is_due_and_the_newest_takes_the_place_of_the_
     assert again.take(1.0 + 0.5 * AFTER) is None
     again.announced(Digest("r1", "z", 2.0, state=2), 0.1)
     assert [digest.state for _, digest in sent(again)] == [2]
+
+
+def test_that_a_large_stream_ceased_is_told_at_once(talk):
+    """Others leave it room, for what they know of it is as old as its last sample; and that it began again."""
+    for k in range(12):
+        sends(talk, 5.2 + 0.5 * k, key="robot/x/camera", size=1500)
+    camera = talk.core.view.streams.known("r1", "robot/x/camera")
+    ends = camera.schedule.over_at
+    talk.tell(ev.TimePassed(ends - 0.01))
+    talk.tell(ev.TimePassed(ends + 2.0 * TUNING.surely_over))
+    told = [news for digest in digests(talk, ends) for news in digest.streams if news.id == camera.id]
+    assert [(news.generated, news.forwarded) for news in told] == [(12, 12)]
+    talk.tell(ev.TimePassed(ends + 5.0))
+    talk.publish(ends + 5.5, key="robot/x/camera", size=1500)
+    assert [news.generated for digest in digests(talk, ends + 5.5) for news in digest.streams] == [13]
