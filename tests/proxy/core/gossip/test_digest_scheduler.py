@@ -269,7 +269,7 @@ def test_a_bid_does_not_wait_for_the_announcement_of_a_sample(make_talk):
 
 
 def test_where_digests_are_on_the_air_parts_are_told_in_them(make_talk):
-    """There a copy of a state for each robot would take more."""
+    """There a copy of a state for each robot would take more. One of parts alone says so."""
     talk = make_talk(transport=broadcast("224.0.0.1:1"), digests_on_air=True, allowance=0.5)
     talk.want(0.0)
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
@@ -281,7 +281,10 @@ def test_where_digests_are_on_the_air_parts_are_told_in_them(make_talk):
     talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
     for k in range(20):
         talk.publish(5.3 + 0.1 * k, size=100)
-    assert any(digest.split is not None and digest.split.bid for digest in digests(talk, 5.2))
+    told = digests(talk, 5.2)
+    assert any(digest.split is not None and digest.split.bid for digest in told)
+    assert any(digest.partial for digest in told)
+    assert not any(digest.partial and digest.streams for digest in told)
     assert all(told.state.split is None for told in talk.all(SendState))
 
 

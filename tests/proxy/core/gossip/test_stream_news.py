@@ -51,8 +51,8 @@ def test_many_changes_are_told_the_greatest_first():
     """One digest holds 32 streams; the rest follows in the next."""
     news = StreamNews()
     many = [stream(f"k{number}", scale=float(number)) for number in range(40)]
-    news.take(0.0, many)
-    news.take(0.0, many)
+    lefts = [bool(news.take(0.0, many)) and news.left for _ in range(2)]
+    assert lefts == [True, False]
     for one in many:
         one.note_generated(2, Generated(2.0, 100, one.newest.scale * (10.0 if one.key == "k39" else 1.0)))
     told = news.take(0.0, many)

@@ -85,6 +85,13 @@ def test_fields_that_a_later_version_adds_are_left_out(kind, name, version):
     assert meant(read(kind, later), case["means"]) == case["means"]
 
 
+@pytest.mark.parametrize(("name", "partial"), [("all", False), ("least", False), ("split", True)])
+def test_version_6_did_not_say_whether_it_told_of_all(name, partial):
+    """What it said of parts without any stream may have been parts alone."""
+    (case,) = [each for each in RECORDED[6] if (each["kind"], each["name"]) == ("digest", name)]
+    assert read("digest", bytes.fromhex(case["bytes"])).partial is partial
+
+
 def test_other_versions_are_told_from_what_is_malformed():
     """Whatever else a message of one may be like."""
     for version in (0, VERSION + 2, 100, 70_000):
