@@ -226,8 +226,13 @@ class Recognition:
 
 
 def _mean_interval(seen: History) -> float:
-    (count, first), (number, last) = seen.past[0], seen.past[-1]
-    return (last - first) / (number - count)
+    """Return the mean time between two samples of the past, pauses left out [s].
+
+    With them streams that began again seemed to send seldom: windows of four robots were over by up to 1.35 limits.
+    """
+    gaps = [(t - s, n - m) for (m, s), (n, t) in pairwise(seen.past)]
+    usual = [(gap, count) for gap, count in gaps if gap <= TUNING.timeout_gaps * seen.longest_gap * count] or gaps
+    return sum([gap for gap, _ in usual]) / sum([count for _, count in usual])
 
 
 def _spread(points: Sequence[Numbered]) -> float:

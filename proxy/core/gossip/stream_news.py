@@ -84,6 +84,8 @@ class StreamNews:
         announced = self._announced.get(stream.key)
         if announced is None or stream.last is None:
             return stream.last is not None
+        if announced[1].t_generated < stream.schedule.resumed:
+            return True
         low, high = sorted((announced[1].scale, stream.last.scale))
         return high - low > TUNING.value_change * max(low, 1e-9)
 

@@ -225,6 +225,15 @@ def test_what_comes_at_random_may_be_silent_for_longer():
     assert schedule.over(9.1)
 
 
+def test_a_pause_does_not_slow_down_what_comes_at_random():
+    """It is none of the gaps that tell how often samples come."""
+    times = poisson(30, seed=1)
+    before, after = observe(Schedule(), times), Schedule()
+    observe(after, [*times, *(t + times[-1] + 100.0 * before.period for t in times[:5])])
+    assert (before.kind, after.kind) == ("poisson", "poisson")
+    assert after.period < 1.5 * before.period
+
+
 def test_it_is_known_when_a_stream_began_again():
     """The first sample after a pause; the first of all is none."""
     schedule = observe(Schedule(), periodic(20, 0.5))
