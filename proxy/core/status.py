@@ -169,7 +169,7 @@ def _stream(core: Parts, stream: Stream, glance: Glance, now: float) -> dict[str
         "period": stream.schedule.period,
         "jitter": stream.schedule.jitter,
         "forecast": stream.forecasts,
-        "over": _over(stream, core.view.staleness.reported_until(stream.robot, now)),
+        "over": _over(stream, core.view.staleness.known_until(now, stream)),
         "latency": latency,
         "last_forwarded": now - sent.t_sent if sent else None,
     }

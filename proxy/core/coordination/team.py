@@ -8,7 +8,7 @@ from typing import NamedTuple
 from proxy.core.coordination.patience import Patience
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.forecast.patterns import MEMORYLESS
-from proxy.core.market.standing import interval_of, known_until
+from proxy.core.market.standing import interval_of
 from proxy.core.model.limits import Limit, allowance_of, changes_plans, exceeds, shortest_window, use_of
 from proxy.core.model.settings import is_broadcast
 from proxy.core.protocol.messages import Digest
@@ -294,7 +294,7 @@ def sendable(now: float, view: SharedView, streams: Collection[Stream], limits: 
     for stream in streams:
         use = use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits)
         if (stream.sent is not None and stream.sent.t_sent >= since) or not exceeds(1.0, use, limits):
-            found.append(Asking(stream, use, interval_of(known_until(now, view, stream), stream, window)))
+            found.append(Asking(stream, use, interval_of(view.staleness.known_until(now, stream), stream, window)))
     return found
 
 

@@ -83,7 +83,7 @@ class Memoryless(Even):
     """Samples at random moments: how long none has come says nothing about the next."""
 
     def __init__(self, interval: float) -> None:
-        super().__init__(MEMORYLESS, interval, interval, interval)
+        super().__init__(MEMORYLESS, interval, interval, TUNING.random_gap * interval)
 
     def first(self, span: Span) -> float:
         """Return the mean time of the next sample, from now on."""

@@ -17,6 +17,8 @@ class Schedule:
     def __init__(self) -> None:
         self.timeout = TUNING.lone_timeout
         """The stream is over when it is silent for longer than this [s]."""
+        self.resumed = -math.inf
+        """When it began again after a pause [s]."""
         self.period = 0.0
         """Mean time between samples [s]; 0.0 while fewer than two generation times are known."""
         self.jitter = 0.0
@@ -48,7 +50,12 @@ class Schedule:
 
     def over(self, now: float) -> bool:
         """Whether no more samples are to be expected, as the stream is silent for too long by its own measure."""
-        return now - self._history.newest[1] >= self.timeout
+        return now >= self.over_at
+
+    @property
+    def over_at(self) -> float:
+        """From when on no more samples are to be expected, if none comes until then [s]."""
+        return self._history.newest[1] + self.timeout
 
     def set_rule(self, rule: ScheduleRule | None, failures: Failures) -> None:
         """Go by a rule of a spec, or by what is seen; `failures` counts those of a function of the rule."""
@@ -66,7 +73,9 @@ class Schedule:
             elif t_gen == history.newest[1] or not self._goes_back():
                 return
         sample = count, t_gen
-        paused = t_gen - history.newest[1] >= self._silence and bool(history.past)
+        paused = self.over(t_gen) and bool(history.past)
+        if paused:
+            self.resumed = t_gen
         history.note_gap(paused=paused)
         if reported is not None:
             self._tracker.follow(reported)
@@ -103,14 +112,6 @@ class Schedule:
         last = self._history.newest[1]
         return last, self.timeout, last + self.period if self._pattern else math.inf
 
-    @property
-    def _silence(self) -> float:
-        """From how long on a gap is a pause [s]."""
-        rhythm = self._tracker.rhythm
-        period = rhythm.period if rhythm else TUNING.lone_timeout / TUNING.timeout_periods
-        gap = max(self._history.longest_gap, self._pattern.pause if self._pattern else 0.0)
-        return max(TUNING.timeout_periods * period, TUNING.timeout_gaps * gap)
-
     def _goes_back(self) -> bool:
         """Begin a new past at a sample before the last one, where several were; return whether it counts so."""
         self._back += 1
@@ -140,4 +141,6 @@ class Schedule:
             self.period, self.jitter, self.kind, self.timeout = 0.0, 0.0, "", TUNING.lone_timeout
             return
         self.period, self.jitter, self.kind = pattern.period, pattern.jitter, pattern.kind
-        self.timeout = max(self._silence, TUNING.timeout_periods * self.period)
+        period = max(self.period, rhythm.period if rhythm else 0.0)
+        gap = max(self._history.longest_gap, pattern.pause)
+        self.timeout = max(TUNING.least_timeout, TUNING.timeout_periods * period, TUNING.timeout_gaps * gap)

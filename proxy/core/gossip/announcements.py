@@ -7,6 +7,7 @@ from proxy.core.coordination.coordination import Coordination
 from proxy.core.coordination.team import Asking
 from proxy.core.gossip.account import Account
 from proxy.core.gossip.digest_budget import DigestBudget
+from proxy.core.gossip.stream_news import StreamNews
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.model.limits import changes_plans, shortest_window, use_of
 from proxy.core.model.settings import is_broadcast
@@ -78,6 +79,12 @@ class Announcements:
     def is_large(self, stream: Stream) -> bool:
         """Whether the samples of a stream change what others plan."""
         return self.changes_plans(0 if stream.sent is None else stream.sent.size, self._view.subscribers.copies(stream))
+
+    def ceasing(self, news: StreamNews) -> dict[str, float]:
+        """Return when those large streams of ours are over of which others heard last that they go on, by key [s]."""
+        copies = self._view.subscribers.copies
+        large = (s for s in self._view.streams.own() if self.changes_plans(round(s.sizes.mean), copies(s)))
+        return news.ceasing(large) if self.needed else {}
 
     def share(self, sending: Iterable[Asking]) -> float:
         """Return what part of the allowance it takes to announce all that the limits let these streams send."""

@@ -35,17 +35,19 @@ class DigestComposer:
 
     def digest(self, now: float, copies: int, *, only_parts: bool) -> Digest:
         """Return a digest that goes out now in so many copies; with `only_parts` without news of streams and echoes."""
+        streams = () if only_parts else self._news.take(now, list(self._view.streams.own()))
         digest = Digest(
             robot=self._view.settings.robot,
             tag=tag(self._view.settings.zid),
             sent=now,
             messages=self._view.traffic.messages,
             bytes=self._view.traffic.bytes,
-            streams=() if only_parts else self._news.take(now, list(self._view.streams.own())),
+            streams=streams,
             state=self._states.state.number,
             capacity=self._capacity.report(now),
             splits=self._coordination.team.votes_to_split,
             split=self._coordination.announcement(now),
+            partial=only_parts or self._news.left,
         )
         if only_parts and not self._view.settings.digests_on_air:
             return digest

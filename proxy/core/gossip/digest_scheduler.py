@@ -92,7 +92,7 @@ class DigestScheduler:
         self._messages = 0
         """Messages that we had put on the air by then."""
         self._introduces: set[str] = set()
-        """Keys of large streams that the others do not know yet, or not their rhythms."""
+        """Keys of large streams that others do not know yet, or not their rhythms, or not that they ceased."""
 
     def valued(self, stream: Stream) -> None:
         """A sample of ours was valued: the others should hear of it soon if they want it and its value has changed."""
@@ -164,8 +164,12 @@ class DigestScheduler:
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
         if self._parts_changed:  # though a sample waits to be announced, which may take longer
             due = min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
+        ceasing = self._announcements.ceasing(self._news)
+        self._introduces.update(key for key, at in ceasing.items() if at <= now)
         if self._sent_much() or self._announcements.silence_untold:
             due = min(due, self._announcements.tells_at(now))
+        elif ceasing:
+            due = min(due, max(min(ceasing.values()), self._announcements.tells_at(now)))
         return min(due, self._budget.due_soon(now)) if self.urgent and not coordination.team.splits else due
 
     def _parts_at(self, now: float) -> float:

@@ -102,6 +102,8 @@ class GossipTuning:
     """What was announced of a stream is announced again after this time: it may have been lost [s]."""
     refreshed: int = 2
     """Streams announced again in one digest."""
+    surely_over: float = 0.1
+    """That a stream ceased is told so much later than it is taken to be over [s]: others find that, too, then."""
     value_change: float = 0.25
     """Others plan anew where the value of a stream changes by this part."""
 

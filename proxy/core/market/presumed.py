@@ -4,7 +4,6 @@ They bid with us where we weigh our own streams, and what they lack of our use i
 with small samples alone filled the first windows to 1.9 limits, each at the price of the few that it knew of.
 """
 
-import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Self
@@ -22,15 +21,10 @@ def untold(now: float, view: SharedView, others: Iterable[tuple[Row, float]], li
 
     In a window that ends now.
     """
-    rates = [(row.use, time, now - _told_until(view, row.stream)) for row, time in others]
+    rates = [(row.use, time, now - view.staleness.known_until(now, row.stream)) for row, time in others]
     return tuple(
         [sum([use[k] / time * min(c.window, since) for use, time, since in rates]) for k, c in enumerate(limits)]
     )
-
-
-def _told_until(view: SharedView, stream: Stream) -> float:
-    """Return until when it is known what a stream of another robot sent [s]."""
-    return max(stream.touched, view.staleness.reported_until(stream.robot, -math.inf))
 
 
 class Presumed(NamedTuple):
@@ -56,7 +50,7 @@ class Presumed(NamedTuple):
             if not (stream.robot == me or stream.robot.startswith(PLAIN))
             and not rate_known(now, stream, window)
             and not view.subscribers.overhears(stream.robot)
-            and now > _told_until(view, stream) + TUNING.untold * interval_of(now, stream, window)
+            and now > view.staleness.known_until(now, stream) + TUNING.untold * interval_of(now, stream, window)
         }
         words_take = view.words_take(view.members.speaking + 1)
         robots.update(peer.robot for peer in view.newcomers.little_known(now, words_take))

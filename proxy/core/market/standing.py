@@ -95,30 +95,14 @@ def rows_of(
     new: int,
 ) -> list[Row]:
     """Return a row of each of the streams, which compete for these limits; so many that compete are `new`."""
-    of, copies, robot = audiences.of, view.subscribers.copies, view.settings.robot
-    return [row_of(now, s, of(now, s), copies(s), limits, own=s.robot == robot, new=new) for s in streams]
-
-
-def known_until(now: float, view: SharedView, stream: Stream) -> float:
-    """Return until when it is known what a stream generated [s]: of ours that is now.
-
-    What has a rhythm goes on whatever its robot tells, and without one nobody is silent who has not told anything
-    since: where nobody announced, all seemed to send seldom, and announcing to be cheap again.
-    """
-    if stream.robot == view.settings.robot:
-        return now
-    newest = stream.newest.t_gen
-    return newest if _is_periodic(stream) else max(newest, view.staleness.reported_until(stream.robot, now))
+    of, copies, robot, until = audiences.of, view.subscribers.copies, view.settings.robot, view.staleness.known_until
+    return [row_of(until(now, s), s, of(now, s), copies(s), limits, own=s.robot == robot, new=new) for s in streams]
 
 
 def row_of(
-    now: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
+    until: float, stream: Stream, audience: Audience, copies: int, limits: tuple[Limit, ...], *, own: bool, new: int = 1
 ) -> Row:
-    """Return a stream whose samples go to this audience, in so many copies, as a row; so many are `new`.
-
-    What others do not tell of goes on as it did: else windows of eight robots were over the limit by 5 %.
-    """
-    until = stream.touched if not own and _is_periodic(stream) else now
+    """Return a stream that is known `until` then [s], and goes to this audience, as a row; so many are `new`."""
     size = round(stream.sizes.mean)
     use = more = use_of(size, copies, limits, own=own)
     if spread := round(stream.sizes.deviation):

@@ -16,6 +16,9 @@ from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest
 from proxy.core.protocol.split_report import SplitReport, read_report, report_fields
 from proxy.core.protocol.tuning import TUNING
 
+TELLS_WHETHER_ALL = 7
+"""The version from which on digests say whether they tell of all."""
+
 
 def pack_digest(digest: Digest) -> bytes:
     """Return the wire form of a digest."""
@@ -28,9 +31,12 @@ def pack_digest(digest: Digest) -> bytes:
         [coded(part) for part in digest.capacity],
         split_fields(digest),
     ]
+    counts = [sent, digest.state, digest.messages, digest.bytes]
+    if digest.partial:
+        return envelope.packed([*counts, *lists, 1])
     while lists and not lists[-1]:
         lists.pop()
-    return envelope.packed([sent, digest.state, digest.messages, digest.bytes, *lists])
+    return envelope.packed([*counts, *lists])
 
 
 def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterable[int] = ()) -> Digest:
@@ -59,7 +65,15 @@ def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterab
         capacity=tuple(checked.amount(part, 1.0) for part in capacity),
         splits=splits,
         split=report,
+        partial=_is_partial(fields, streams, report),
     )
+
+
+def _is_partial(fields: list[Any], streams: list[Any], report: SplitReport | None) -> bool:
+    """Whether a digest does not tell of all; version 6 did not say that, and told of parts alone now and then."""
+    if fields[0] < TELLS_WHETHER_ALL:
+        return not streams and report is not None
+    return any(checked.count(said, 1) for said in fields[9:10])
 
 
 def digest_head(data: bytes) -> tuple[int, float]:

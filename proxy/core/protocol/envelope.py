@@ -23,7 +23,7 @@ class OtherVersionError(MalformedWireError):
         self.version = version
 
 
-VERSION = 6
+VERSION = 7
 OLDEST = 6
 """What older daemons said is another language."""
 READABLE = range(max(OLDEST, VERSION - 1), VERSION + 2)

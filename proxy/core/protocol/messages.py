@@ -83,6 +83,13 @@ class Digest:
     """Whether the sender finds that each robot has to keep to a part of every limit."""
     split: SplitReport | None = None
     """What it says of parts, where it keeps to one."""
+    partial: bool = False
+    """Whether streams that it leaves out may have news: it tells of parts alone, or there is more than it holds."""
+
+    @property
+    def tells_all(self) -> bool:
+        """Whether streams that it leaves out are as they were when it was sent."""
+        return not (self.brief or self.partial)
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,18 +67,20 @@ class Contention:
 
     def competes(self, now: float, stream: Stream) -> bool:
         """Whether more of the stream is worth anything to somebody, and more is to be expected by its robot's news."""
-        if stream.last is None or stream.schedule.over(self._staleness.reported_until(stream.robot, now)):
+        if stream.last is None or stream.schedule.over(self._staleness.known_until(now, stream)):
             return False
         return len(self._subscribers.gaining(stream)) > 0
 
     def _competing(self, now: float) -> list[_Row]:
         """Return the rows that compete. How long a stream is silent only its robot's news tells."""
         changed = self._renew()
-        told = [self._staleness.reported_until(robot, now) for robot in self._robots]
+        told = [min(now, self._staleness.told_until(robot)) for robot in self._robots]
         if changed or told != self._known[0]:  # a decision asks twice
             until = dict(zip(self._robots, told, strict=True))
             rows = [
-                row for row in self._rows.values() if row.wanted and until[row.stream.robot] - row.last < row.patience
+                row
+                for row in self._rows.values()
+                if row.wanted and max(until[row.stream.robot], row.stream.known_until) - row.last < row.patience
             ]
             self._known = told, rows
         return self._known[1]

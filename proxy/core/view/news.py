@@ -1,10 +1,9 @@
 """What digests tell of the streams of another robot."""
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 from proxy.core.forecast import rhythm_report
-from proxy.core.protocol.messages import StreamDigest, StreamState
+from proxy.core.protocol.messages import Digest, StreamDigest, StreamState
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Generated, Sent, Stream, usual_scale
 from proxy.core.view.streams import Streams
@@ -22,14 +21,15 @@ class News:
         self._subscribers = subscribers
         self._traffic = traffic
 
-    def take(self, now: float, peer: Peer, news: Iterable[StreamDigest]) -> None:
-        """A digest of a peer told this."""
-        for each in news:
+    def take(self, now: float, peer: Peer, digest: Digest) -> None:
+        """A digest of a peer came."""
+        until = min(peer.offset.ours(digest.sent), now)
+        for each in digest.streams:
             key = peer.keys.get(each.id)
             if key is None:
                 self._postpone(now, peer, each)
             else:
-                self._take(now, peer, key, each, counts=True)
+                self._take(now, peer, key, each, until, counts=True)
 
     def take_state(self, now: float, peer: Peer) -> None:
         """A peer announced its state: what it says of its streams holds, and news that waited for keys is taken in.
@@ -46,7 +46,8 @@ class News:
         for news, entry in peer.pending.named(peer.keys):
             if entry is not None:
                 self._traffic.retract(entry)
-            self._take(now, peer, peer.keys[news.id], news, counts=False)
+            until = min(peer.offset.ours(news.t_generated), now)
+            self._take(now, peer, peer.keys[news.id], news, until, counts=False)
 
     def _postpone(self, now: float, peer: Peer, news: StreamDigest) -> None:
         """Keep news of a stream whose key is not known yet; what was sent counts as if one robot wanted it."""
@@ -56,9 +57,9 @@ class News:
             entry = self._traffic.note_unknown(min(peer.offset.ours(news.t_forwarded), now), news.size, peer.robot)
             peer.pending.count(news.id, entry)
 
-    def _take(self, now: float, peer: Peer, key: str, news: StreamDigest, *, counts: bool) -> None:
-        """Take in news of a stream. Whether what came of it by now `counts` beside what it says was sent."""
-        stream = self._stream_of(now, peer.robot, key, news)
+    def _take(self, now: float, peer: Peer, key: str, news: StreamDigest, until: float, *, counts: bool) -> None:
+        """Take in news of a stream `until` then [s]. Whether what came of it by now `counts` beside what was sent."""
+        stream = self._stream_of(now, peer.robot, key, news, until)
         if stream is None:
             return
         gets_all = self._subscribers.broadcasts(peer.robot) or self._tag in self._subscribers.of(stream)
@@ -79,14 +80,14 @@ class News:
         if news.forwarded > stream.forwarded:
             self._traffic.note_sent(stream, news.forwarded, _last_sent(news, t_sent, last, before))
 
-    def _stream_of(self, now: float, robot: str, key: str, news: StreamDigest) -> Stream | None:
+    def _stream_of(self, now: float, robot: str, key: str, news: StreamDigest, until: float) -> Stream | None:
         """Return the stream that news is of; None where it tells of less than is known, which may have been forged."""
         known = self._streams.known(robot, key)
         if known is not None and news.generated < known.generated:
-            if now < known.touched + TUNING.implausible_for:
+            if now < known.known_until + TUNING.implausible_for:
                 return None
             self._streams.forget(known)
-        return self._streams.touch(now, robot, key, news.id)
+        return self._streams.touch(until, robot, key, news.id)
 
 
 def _completed(stream: Stream, news: StreamDigest, told: StreamState | None) -> StreamDigest:

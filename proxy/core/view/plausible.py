@@ -67,5 +67,5 @@ def _leaps(now: float, news: StreamDigest, stream: Stream | None) -> bool:
     """Whether more was generated since the last news than any app could publish."""
     if stream is None or stream.generated == 0:
         return False
-    time = max(0.0, now - stream.touched) + TUNING.count_burst
+    time = max(0.0, now - stream.known_until) + TUNING.count_burst
     return news.generated - stream.generated > TUNING.fastest_count * time

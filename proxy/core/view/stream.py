@@ -109,7 +109,8 @@ class Stream:
     overheard: bool = False
     """Whether it is known from the air alone: how many were generated and sent its robot has not told yet."""
     matching: bool = False
-    touched: float = 0.0
+    known_until: float = -math.inf
+    """Until when it is known what was generated, as its robot told or we heard [s]; `Staleness.known_until` says it."""
     fates: Counter[str] = field(default_factory=Counter)
     """What was decided on samples of ours, by reason."""
     reached: set[str] = field(default_factory=set)
@@ -157,9 +158,10 @@ class Stream:
             self._steady = self._outlook.steady
             self._expected.clear()
 
-    def touch(self, now: float, number: int = 0) -> None:
-        """Something was heard of the stream; its robot may have told its number."""
-        self.touched = now
+    def touch(self, until: float, number: int = 0) -> None:
+        """It is heard what was generated `until` then [s]; its robot may have told its number."""
+        self.changes += until > self.known_until
+        self.known_until = max(self.known_until, until)
         self.id = number or self.id
 
     def rename(self, robot: str) -> None:

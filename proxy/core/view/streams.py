@@ -52,8 +52,11 @@ class Streams:
         """The stream of a robot and key, if there is one."""
         return self._all.get((robot, key))
 
-    def touch(self, now: float, robot: str, key: str, number: int = 0) -> Stream | None:
-        """Something is heard of the stream of a robot and key; return it, made when new; None: no spec plans for it."""
+    def touch(self, until: float, robot: str, key: str, number: int = 0) -> Stream | None:
+        """It is heard what the stream of a robot and key generated `until` then [s].
+
+        Return it, made when new; None: no spec plans for it.
+        """
         place = robot, key
         found = self._all.get(place)
         if found is None:
@@ -67,7 +70,7 @@ class Streams:
             found = Stream(number, robot, key, information_type, matching=matching)
             found.cover(information_type)
             self.admit(found)
-        found.touch(now, number)
+        found.touch(until, number)
         owned = self._owned[owner_of(robot)]
         del owned[place]
         owned[place] = found
@@ -103,7 +106,9 @@ class Streams:
             return
         self._swept = now
         for stream in self.plain():
-            if now - stream.touched > max(TUNING.plain_silent, TUNING.plain_silent_periods * stream.schedule.period):
+            if now - stream.known_until > max(
+                TUNING.plain_silent, TUNING.plain_silent_periods * stream.schedule.period
+            ):
                 self.forget(stream)
 
     def revise(self) -> None:
@@ -154,7 +159,7 @@ class Streams:
             last=stream.last,
             sent=stream.sent,
             recent=stream.recent,
-            touched=stream.touched,
+            known_until=stream.known_until,
             reached=stream.reached,
         )
         heir.cover(stream.information_type)

@@ -101,8 +101,8 @@ class SharedView:
             return False
         if peer.state.specs != self.specs.generation:
             peer.restart_losses()  # it may not count what we count
-        tells_all = peer.heard_digest(now, digest)
-        self.staleness.heard(now, peer, digest, tells_all=tells_all)
+        peer.heard_digest(now, digest)
+        self.staleness.heard(now, peer, digest)
         if digest.state == peer.state.number:
             self.clocks.bound(now, peer)
         for echo in digest.echoes:
@@ -110,7 +110,7 @@ class SharedView:
                 self.echoes.heard(now, peer, echo)
         if not is_broadcast(peer.state.transport):
             peer.inbound.heard_digest(now, digest.sent, TUNING.usual_digest)
-        self._news.take(now, peer, digest.streams)
+        self._news.take(now, peer, digest)
         return True
 
     def heard_state(self, now: float, state: State) -> bool:

@@ -126,7 +126,7 @@ def queries(core, now):
     )
     yield (
         "view of robots",
-        lambda: [view.origins.robot_of("feed"), *(view.staleness.reported_until(each, now) for each in PEERS.values())],
+        lambda: [view.origins.robot_of("feed"), *(view.staleness.told_until(each) for each in PEERS.values())],
     )
     yield (
         "view of streams",

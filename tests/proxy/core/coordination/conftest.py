@@ -45,6 +45,12 @@ class Robot:
             self.now, self.limits, waiting, lambda _: announcing, lambda _: using, passes_at=lambda now: now + words
         )
 
+    def go_on(self):
+        """Streams that began go on, one sample a second."""
+        for stream in self.view.streams:
+            while stream.schedule.period and (due := stream.newest.t_gen + 1.0) <= self.now:
+                stream.note_generated(stream.generated + 1, stream.newest._replace(t_gen=due))
+
     def say(self, peer, **digest):
         self.now += 0.01
         self.coordination.heard(self.now, Digest(peer, peer, self.now, **digest))

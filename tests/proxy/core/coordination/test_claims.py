@@ -65,6 +65,24 @@ def test_a_better_claim_that_was_due_just_now_counts_as_taken(view):
     assert judged(view, 10.0 + 0.5 * TUNING.deciding, agreed=True) == ((0.0,), math.inf)
 
 
+@pytest.mark.parametrize("pause", [0.0, 5.0])
+def test_who_begins_again_gives_way_until_others_can_know_of_it(view, pause):
+    """They take its stream to have ceased, so they leave it nothing, however good its claim is."""
+    news, now = news_take(view), 9.9 + pause
+    other = view.streams.known("r2", "robot/r2/camera")
+    for count in range(101, 101 + round(pause / PERIOD)):
+        other.note_generated(count, Generated((count - 1) * PERIOD, SIZE, 1.0))
+    sent(view, "r1", 1.0)
+    sent(view, "r2", now - 0.2)
+    generated(view, now + 0.1)
+    gives_way = pause > 0.0
+    assert (taken(view, now + 0.1) == (SIZE,)) is gives_way
+    assert view.streams.known("r1", "robot/r1/camera").schedule.resumed == (now + 0.1 if gives_way else -math.inf)
+    generated_later = view.streams.known("r1", "robot/r1/camera")
+    generated_later.note_generated(102, Generated(now + 0.2, SIZE, 1.0))
+    assert taken(view, now + 0.2 + news) == (0.0,)
+
+
 @pytest.mark.parametrize("cheap", ["r1", "r2"])
 def test_who_does_not_pay_for_its_room_has_no_claim(view, cheap):
     """It gives way to who does, however long it sent nothing, and nobody gives way to it."""

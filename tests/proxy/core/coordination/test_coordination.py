@@ -163,6 +163,7 @@ def test_a_large_team_agrees_on_nothing_and_uses_more_than_equal_parts(make_team
     assert team.coordination.team.splits
     assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.large_team + 1))
     for _ in range(30):
+        team.go_on()
         assert not team.look(waiting=99.0, using=0.1)
     assert team.coordination.part(team.now, 0) == pytest.approx(TUNING.overbooked / (TUNING.large_team + 1))
     assert team.coordination.announcement(team.now) is None

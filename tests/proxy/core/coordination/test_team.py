@@ -110,6 +110,7 @@ def test_news_that_wait_on_their_way_are_late(make_team):
         team.view.heard_digest(sent + took, digest)
         team.coordination.heard(sent + took, digest)
         team.now = max(team.now + TUNING.interval, sent + took)
+        team.go_on()
         team.look()
         assert team.coordination.team.votes_to_split is (sent == 6.0)
 

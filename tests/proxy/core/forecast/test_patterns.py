@@ -33,7 +33,7 @@ def test_random_samples_come_from_now_on():
     """Not from when the last one was heard of."""
     pattern = Memoryless(2.0)
     assert pattern.expect(Span(10.0, 4.0, 15.0, 9)) == [12.0, 14.0]
-    assert (pattern.kind, pattern.period, pattern.jitter, pattern.pause) == ("poisson", 2.0, 2.0, 2.0)
+    assert (pattern.kind, pattern.period, pattern.jitter, pattern.pause) == ("poisson", 2.0, 2.0, 6.0)
 
 
 @pytest.mark.parametrize("until", [9.0, 10.0, 10.9, 11.0, 13.5])
@@ -107,7 +107,7 @@ PAST = [(1, 10.0), (2, 11.0), (3, 12.0)]
     [
         (PeriodicRule(1.5), "periodic", 1.5, 1.5, [13.5, 15.0]),
         (PeriodicRule(1.5, 0.5), "periodic", 1.5, 1.5, [13.5, 15.0]),
-        (PoissonRule(1.5), "poisson", 1.5, 1.5, [13.5, 15.0]),
+        (PoissonRule(1.5), "poisson", 1.5, 4.5, [13.5, 15.0]),
         (TimesRule((0.0, 1.0), 2.0), "times", 1.0, 1.0, [13.0, 14.0, 15.0]),
         (TimesRule((7.0,)), "times", 0.0, 0.0, []),
         (PythonRule("x:y", lambda times, _: [times[-1] + 2.5]), "python", 9.0, 9.0, [14.5]),

@@ -200,20 +200,50 @@ def test_one_sample_predicts_nothing():
     assert schedule.over(1.0 + TUNING.lone_timeout)
 
 
-@pytest.mark.parametrize(("period", "silence", "over"), [(0.1, 0.9, False), (0.1, 2.0, True), (100.0, 400.0, False)])
+@pytest.mark.parametrize(("period", "silence", "over"), [(0.1, 0.9, False), (0.1, 2.0, True), (100.0, 390.0, False)])
 def test_a_stream_is_over_by_its_own_measure(period, silence, over):
     """A camera that is silent for 2 s has stopped, a thermometer has not."""
     times = periodic(20, period)
     assert observe(Schedule(), times).over(times[-1] + silence) is over
 
 
-def test_what_is_heard_of_seldom_is_not_over_between_two_times():
-    """A fast stream whose robot tells of it once a second may be silent for two."""
+def test_what_is_heard_of_seldom_is_over_by_its_period():
+    """A fast stream whose robot tells of it once in ten seconds: until when that told is known."""
     schedule = Schedule()
     for k in range(1, 20):
-        schedule.observe(10 * k, 1.0 * k)
-    assert not schedule.over(21.0)
-    assert schedule.over(23.0)
+        schedule.observe(40 * k, 10.0 * k)
+    assert not schedule.over(191.4)
+    assert schedule.over(191.5)
+
+
+def test_what_comes_at_random_may_be_silent_for_longer():
+    """Of the gaps of a rhythm none is as long as four periods, of random ones each fiftieth."""
+    schedule = Schedule()
+    schedule.assume(1.0, "poisson")
+    schedule.observe(1, 0.0)
+    assert not schedule.over(8.9)
+    assert schedule.over(9.1)
+
+
+def test_a_pause_does_not_slow_down_what_comes_at_random():
+    """It is none of the gaps that tell how often samples come."""
+    times = poisson(30, seed=1)
+    before, after = observe(Schedule(), times), Schedule()
+    observe(after, [*times, *(t + times[-1] + 100.0 * before.period for t in times[:5])])
+    assert (before.kind, after.kind) == ("poisson", "poisson")
+    assert after.period < 1.5 * before.period
+
+
+def test_it_is_known_when_a_stream_began_again():
+    """The first sample after a pause; the first of all is none."""
+    schedule = observe(Schedule(), periodic(20, 0.5))
+    assert schedule.resumed == -math.inf
+    last = schedule.last
+    schedule.observe(21, last + 1.5)
+    assert schedule.resumed == -math.inf
+    schedule.observe(22, last + 10.0)
+    schedule.observe(23, last + 10.5)
+    assert schedule.resumed == last + 10.0
 
 
 def test_a_burst_is_not_over_between_two():

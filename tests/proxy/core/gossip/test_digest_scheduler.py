@@ -269,7 +269,7 @@ def test_a_bid_does_not_wait_for_the_announcement_of_a_sample(make_talk):
 
 
 def test_where_digests_are_on_the_air_parts_are_told_in_them(make_talk):
-    """There a copy of a state for each robot would take more."""
+    """There a copy of a state for each robot would take more. One of parts alone says so."""
     talk = make_talk(transport=broadcast("224.0.0.1:1"), digests_on_air=True, allowance=0.5)
     talk.want(0.0)
     talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", CAMERA, ("robot/*/camera",), number=1)))
@@ -281,7 +281,10 @@ def test_where_digests_are_on_the_air_parts_are_told_in_them(make_talk):
     talk.tell(ev.DigestHeard(5.2, voting(5.2), 60))
     for k in range(20):
         talk.publish(5.3 + 0.1 * k, size=100)
-    assert any(digest.split is not None and digest.split.bid for digest in digests(talk, 5.2))
+    told = digests(talk, 5.2)
+    assert any(digest.split is not None and digest.split.bid for digest in told)
+    assert any(digest.partial for digest in told)
+    assert not any(digest.partial and digest.streams for digest in told)
     assert all(told.state.split is None for told in talk.all(SendState))
 
 
@@ -531,3 +534,18 @@ def test_nothing_is_told_before_it_is_due_and_the_newest_takes_the_place_of_the_
     assert again.take(1.0 + 0.5 * AFTER) is None
     again.announced(Digest("r1", "z", 2.0, state=2), 0.1)
     assert [digest.state for _, digest in sent(again)] == [2]
+
+
+def test_that_a_large_stream_ceased_is_told_at_once(talk):
+    """Others leave it room, for what they know of it is as old as its last sample; and that it began again."""
+    for k in range(12):
+        sends(talk, 5.2 + 0.5 * k, key="robot/x/camera", size=1500)
+    camera = talk.core.view.streams.known("r1", "robot/x/camera")
+    ends = camera.schedule.over_at
+    talk.tell(ev.TimePassed(ends - 0.01))
+    talk.tell(ev.TimePassed(ends + 2.0 * TUNING.surely_over))
+    told = [news for digest in digests(talk, ends) for news in digest.streams if news.id == camera.id]
+    assert [(news.generated, news.forwarded) for news in told] == [(12, 12)]
+    talk.tell(ev.TimePassed(ends + 5.0))
+    talk.publish(ends + 5.5, key="robot/x/camera", size=1500)
+    assert [news.generated for digest in digests(talk, ends + 5.5) for news in digest.streams] == [13]

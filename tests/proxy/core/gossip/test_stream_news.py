@@ -51,8 +51,8 @@ def test_many_changes_are_told_the_greatest_first():
     """One digest holds 32 streams; the rest follows in the next."""
     news = StreamNews()
     many = [stream(f"k{number}", scale=float(number)) for number in range(40)]
-    news.take(0.0, many)
-    news.take(0.0, many)
+    lefts = [bool(news.take(0.0, many)) and news.left for _ in range(2)]
+    assert lefts == [True, False]
     for one in many:
         one.note_generated(2, Generated(2.0, 100, one.newest.scale * (10.0 if one.key == "k39" else 1.0)))
     told = news.take(0.0, many)
@@ -71,6 +71,35 @@ def test_a_stream_is_introduced_once_and_its_rhythm_when_it_is_known():
     assert news.introduces(camera)
     assert [s.period for s in news.take(2.0, [camera], (), (camera.key,))] == [pytest.approx(1.0, rel=1e-3)]
     assert not news.introduces(camera)
+
+
+def test_a_stream_that_begins_again_is_introduced_anew():
+    """Others have heard that it ceased, and look for none of it."""
+    news, camera = StreamNews(), stream()
+    for number in range(2, 10):
+        camera.note_generated(number, Generated(float(number), 100, 1.0))
+    news.take(9.0, [camera])
+    assert not news.introduces(camera)
+    assert not news.value_changed(camera)
+    camera.note_generated(10, Generated(20.0, 100, 1.0))
+    assert news.introduces(camera)
+    assert news.value_changed(camera)
+    news.take(20.0, [camera])
+    camera.note_generated(11, Generated(21.0, 100, 1.0))
+    assert not news.introduces(camera)
+
+
+def test_that_a_stream_ceased_is_told_once():
+    """A little after it is over; what was announced says when it generated last, and that it did not since."""
+    news, camera = StreamNews(), stream()
+    for number in range(2, 10):
+        camera.note_generated(number, Generated(float(number), 100, 1.0))
+    assert news.ceasing([camera]) == {}
+    news.take(9.0, [camera])
+    (ends,) = news.ceasing([camera]).values()
+    assert ends > camera.schedule.over_at
+    assert [each.generated for each in news.take(ends, [camera], (), (camera.key,))] == [9]
+    assert news.ceasing([camera]) == {}
 
 
 def test_a_value_that_changed_by_a_quarter_is_urgent():

@@ -89,10 +89,10 @@ def test_others_use_nothing_of_a_limit_that_is_ours_alone(a_row):
 def test_what_others_sent_since_they_told_is_untold(view, a_row, told, reported, amount):
     """A digest that says nothing of a stream says that it sent nothing; of a window no more counts than there is."""
     row = a_row("r2")
-    row.stream.touched = told
-    if reported is not None:
-        view.add_peer(0.0, "r2", "z-r2")
-        view.staleness.heard(10.0, view.peers[tag("z-r2")], Digest("r2", tag("z-r2"), reported, 0, 0), tells_all=True)
+    row.stream.touch(told)
+    view.add_peer(0.0, "r2", "z-r2")
+    digest = Digest("r2", tag("z-r2"), reported or 9.9, partial=reported is None)
+    view.staleness.heard(10.0, view.peers[tag("z-r2")], digest)
     assert untold(10.0, view, [(row, 0.5)], (LIMIT,)) == (pytest.approx(amount),)
 
 

@@ -36,7 +36,7 @@ KINDS = {
 STREAM = StreamDigest(7, 10, 8, 11.5, 11.75, 40_000, 1.5, (0.25,), 0.5, -3, 12)
 ECHO = Echo("deadbeef", 9.0, 9.5, 12, 0.25, 1e-6)
 REPORT = SplitReport(7, (Segment(1200, 130),), 99, 98, (5, 6), 0.25, 3)
-DIGEST = Digest("r1", "a1b2c3d4", 12.0, 3, 4000, (STREAM,), (ECHO,), 2, (0.5,), splits=True, split=REPORT)
+DIGEST = Digest("r1", "a1b2c3d4", 12.0, 3, 4000, (STREAM,), (ECHO,), 2, (0.5,), splits=True, split=REPORT, partial=True)
 STATE = State(
     *("r1", "a1b2c3d4e5", "enforce", "s1", (StreamState(1, "k", "camera", 0.5, 0.01, 1000, "poisson"),)),
     *(("k/**",), 1.7e9, ("a1b2c3d4e5",), "unicast", 4, 0.5, "1.0.0", 77),

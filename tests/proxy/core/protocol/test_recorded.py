@@ -75,7 +75,7 @@ def test_fields_that_a_later_version_adds_are_left_out(kind, name, version):
         fields[3] = [[*stream, "new"] for stream in fields[3][2:]]
         case = case | {"means": case["means"] | {"streams": case["means"]["streams"][2:]}}
     elif kind == "digest":
-        fields += [[]] * (9 - len(fields))
+        fields += [[]] * (9 - len(fields)) + [0] * (len(fields) < 10)
     elif name == "told":
         fields[4] = [[*stream, *STREAM_ENDS[len(stream) :], "new", 1] for stream in fields[4]]
         fields += [[]] * (15 - len(fields))
@@ -83,6 +83,13 @@ def test_fields_that_a_later_version_adds_are_left_out(kind, name, version):
         fields += [[]] * (7 - len(fields))
     later = msgpack.packb([version, *fields[1:], ["new"], 5, "text"], use_single_float=True)
     assert meant(read(kind, later), case["means"]) == case["means"]
+
+
+@pytest.mark.parametrize(("name", "partial"), [("all", False), ("least", False), ("split", True)])
+def test_version_6_did_not_say_whether_it_told_of_all(name, partial):
+    """What it said of parts without any stream may have been parts alone."""
+    (case,) = [each for each in RECORDED[6] if (each["kind"], each["name"]) == ("digest", name)]
+    assert read("digest", bytes.fromhex(case["bytes"])).partial is partial
 
 
 def test_other_versions_are_told_from_what_is_malformed():

@@ -235,6 +235,7 @@ def test_a_small_sample_waits_a_window_at_most_for_what_others_claim(counted):
     """It has a part for certain. Where windows were stretched for a gigabyte that another sent it was dropped."""
     core = counted.core
     other = core.view.streams.known("op", "robot/op/camera")
+    other.note_generated(41, Generated(8.195, 4000, 1.0))
     core.view.traffic.note_sent(other, other.forwarded + 1, Sent(8.1, 8.1, 1 << 30, 1.0))
     core.budget.stretch.weigh(core.budget.limits, (0.0,), [((1e9,), (0.0,))])
     sample, commands = counted.publish(8.2, size=20)
@@ -246,6 +247,7 @@ def test_a_small_sample_that_counts_waits_for_its_part_where_nothing_else_is_lef
     """A window that is stretched has room in all, and none in its last part: the sample was dropped at once."""
     core = counted.core
     other = core.view.streams.known("op", "robot/op/camera")
+    other.note_generated(41, Generated(8.195, 4000, 1.0))
     core.view.traffic.note_sent(other, other.forwarded + 1, Sent(7.9, 7.9, 30_000, 1.0))
     core.budget.stretch.weigh(core.budget.limits, (0.0,), [((30_000.0,), (0.0,))])
     core.budget.use(8.1, (9_990.0,))

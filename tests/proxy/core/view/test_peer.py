@@ -1,6 +1,5 @@
 """What is learnt of another robot from its digests and samples."""
 
-import math
 from dataclasses import replace
 
 from proxy.core.model.settings import CoreSettings
@@ -104,24 +103,24 @@ def test_how_long_a_stream_is_silent_tells_when_its_robot_spoke_not_when_that_ca
 
 
 def test_a_digest_of_parts_alone_does_not_tell_that_streams_are_silent(view):
-    """It counts more messages, and names no stream: after a minute of such ones each robot found itself alone."""
+    """It names no stream: after a minute of such ones each robot found itself alone."""
     view.add_peer(0.0, "r2", "z-r2")
     view.heard_digest(
         1.0, Digest("r2", tag("z-r2"), 0.9, messages=3, streams=(StreamDigest(1, 3, 3, 0.5, 0.5, 100, 1.0),))
     )
-    told = view.staleness.reported_until("r2", math.inf)
-    view.heard_digest(2.0, Digest("r2", tag("z-r2"), 1.9, messages=5))
-    assert view.staleness.reported_until("r2", math.inf) == told
+    told = view.staleness.told_until("r2")
+    view.heard_digest(2.0, Digest("r2", tag("z-r2"), 1.9, messages=5, partial=True))
+    assert view.staleness.told_until("r2") == told
     view.heard_digest(3.0, Digest("r2", tag("z-r2"), 2.9, messages=5))
-    assert view.staleness.reported_until("r2", math.inf) > told
+    assert view.staleness.told_until("r2") > told
 
 
 def test_an_announcement_does_not_tell_that_other_streams_are_silent(view):
     """It leaves out what is small."""
     view.add_peer(0.0, "r2", "z-r2")
     view.heard_digest(1.0, Digest("r2", tag("z-r2"), 0.9))
-    told = view.staleness.reported_until("r2", math.inf)
+    told = view.staleness.told_until("r2")
     view.heard_digest(2.0, Digest("r2", tag("z-r2"), 1.9, brief=True))
-    assert view.staleness.reported_until("r2", math.inf) == told
+    assert view.staleness.told_until("r2") == told
     view.heard_digest(3.0, Digest("r2", tag("z-r2"), 2.9))
-    assert view.staleness.reported_until("r2", math.inf) > told
+    assert view.staleness.told_until("r2") > told

@@ -19,7 +19,7 @@ def peer():
 
 @pytest.fixture
 def stream():
-    made = Stream(1, "r2", "a", None, touched=100.0)
+    made = Stream(1, "r2", "a", None, known_until=100.0)
     made.note_generated(5, Generated(99.0, 10, 1.0))
     return made
 

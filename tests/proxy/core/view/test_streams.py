@@ -40,7 +40,7 @@ def test_only_who_hears_of_a_stream_keeps_it(specs):
     assert streams.known("r1", "robot/1/camera") is None
     first, second = (streams.touch(0.0, "r1", f"robot/{number}/camera") for number in (1, 2))
     assert streams.known("r1", first.key) is streams.touch(1.0, "r1", first.key) is first
-    assert (first.touched, list(streams)) == (1.0, [first, second])
+    assert (first.known_until, list(streams)) == (1.0, [first, second])
     assert streams.known("r1", second.key) is second
     streams.touch(2.0, "r1", "robot/3/camera")
     assert streams.known("r1", second.key) is None
