@@ -10,8 +10,8 @@ from proxy.core.market.presumed import Presumed, untold
 from proxy.core.market.standing import Row
 from proxy.core.market.tuning import TUNING
 from proxy.core.model.limits import Limit
-from proxy.core.model.settings import CoreSettings
-from proxy.core.protocol.messages import Digest, tag
+from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
+from proxy.core.protocol.messages import Digest, State, tag
 from proxy.core.view.stream import Generated, Stream
 from proxy.core.view.view import SharedView
 from studies.simulation.traffic.flights import How, fly
@@ -20,6 +20,7 @@ from studies.simulation.traffic.missions import draw_from
 from studies.simulation.traffic.scores import score
 from studies.simulation.traffic.workloads import MBIT, Workload
 
+AIR = broadcast("224.0.0.226:7449")
 SMALL, LIMIT = 0.05, Limit("throughput", 0.5, 10_000.0, Throughput(20_000.0, 0.5), 1.0)
 OWN = Limit("energy", 0.5, 10_000.0, Energy(1.0, 0.5, per_byte=1e-3), 1.0)
 
@@ -94,6 +95,20 @@ def test_what_others_sent_since_they_told_is_untold(view, a_row, told, reported,
     digest = Digest("r2", tag("z-r2"), reported or 9.9, partial=reported is None)
     view.staleness.heard(10.0, view.peers[tag("z-r2")], digest)
     assert untold(10.0, view, [(row, 0.5)], (LIMIT,)) == (pytest.approx(amount),)
+
+
+@pytest.mark.parametrize("theirs", [UNICAST, AIR])
+@pytest.mark.parametrize("ours", [UNICAST, AIR])
+def test_nothing_is_presumed_of_a_robot_that_is_overheard(make_specs, a_row, ours, theirs):
+    """What was not heard of its streams it dropped, and may have had no word left to say so."""
+    view = SharedView(CoreSettings("r1", "z-r1", transport=ours), make_specs())
+    view.add_peer(0.0, "r2", "z-r2")
+    told = State("r2", "z-r2", "enforce", "", (), (), number=1, transport=theirs)
+    view.heard_state(0.1, told)
+    view.staleness.heard(1.0, view.peers[tag("z-r2")], Digest("r2", tag("z-r2"), 1.0, 0, 0))
+    streams = [a_row("r1", 20).stream, a_row("r2", 3).stream]
+    presumed = Presumed.of(60.0, view, streams, (LIMIT,))
+    assert list(presumed.robots) == ([] if ours == theirs == AIR else ["r2"])
 
 
 @pytest.mark.parametrize("before", [0.0, 5.0])
