@@ -93,6 +93,8 @@ class DigestScheduler:
         """Messages that we had put on the air by then."""
         self._introduces: set[str] = set()
         """Keys of large streams that others do not know yet, or not their rhythms, or not that they ceased."""
+        self._ceasing, self._ceasing_at = dict[str, float](), -math.inf
+        """When those will have ceased that others take to go on, by key, and when that was looked for last [s]."""
 
     def valued(self, stream: Stream) -> None:
         """A sample of ours was valued: the others should hear of it soon if they want it and its value has changed."""
@@ -164,12 +166,13 @@ class DigestScheduler:
         self._parts_since = min(self._parts_since, now) if self._parts_changed else math.inf
         if self._parts_changed:  # though a sample waits to be announced, which may take longer
             due = min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
-        ceasing = self._announcements.ceasing(self._news)
-        self._introduces.update(key for key, at in ceasing.items() if at <= now)
+        if now >= self._ceasing_at + TUNING.surely_over:  # not at each event, where a robot has hundreds of streams
+            self._ceasing, self._ceasing_at = self._announcements.ceasing(self._news), now
+        self._introduces.update(key for key, at in self._ceasing.items() if at <= now)
         if self._sent_much() or self._announcements.silence_untold:
             due = min(due, self._announcements.tells_at(now))
-        elif ceasing:
-            due = min(due, max(min(ceasing.values()), self._announcements.tells_at(now)))
+        elif self._ceasing:
+            due = min(due, max(min(self._ceasing.values()), self._announcements.tells_at(now)))
         return min(due, self._budget.due_soon(now)) if self.urgent and not coordination.team.splits else due
 
     def _parts_at(self, now: float) -> float:
@@ -213,6 +216,7 @@ class DigestScheduler:
                 self._announced(self._composer.announcement(now, streams))
         self._messages = self._view.traffic.messages
         self._introduces.clear()
+        self._ceasing_at = -math.inf
         self._view.traffic.announced()
         return self._send(now, digest, announces=digest.brief or only_parts)
 
