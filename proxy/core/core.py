@@ -236,7 +236,7 @@ class Core:
             partial(using, budget),
             passes_at=announcements.passes_at,
         )
-        budget.mute(announcements.due_at(now), scarce=announcements.scarce(now))
+        budget.mute(announcements.due_at(now))
         commands += gate.next(now)
         if now < gate.search.answer_due and not (urgent or parts_changed):
             return commands

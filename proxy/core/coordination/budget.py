@@ -18,12 +18,10 @@ from proxy.core.model.limits import (
     Limits,
     Send,
     changes_plans,
-    exceeds,
     is_bulky,
     longest_window,
     stretched,
 )
-from proxy.core.model.tuning import TUNING as MODEL
 from proxy.core.view.view import SharedView
 
 
@@ -42,8 +40,6 @@ class Budget:
         self.stretch = Stretch(self.own, self._others)
         self._mute_until = -math.inf
         """When the allowance has room for announcements [s]."""
-        self.scarce = False
-        """Whether more was announced lately than the allowance has brought."""
         self._usable_for: tuple[tuple[Limit, ...], tuple[float, ...]] = (), ()
         self._usable: tuple[Limit, ...] = ()
         self._others_known: tuple[float, int, tuple[Limit, ...], bool] = (-math.inf, 0, (), False)
@@ -85,12 +81,9 @@ class Budget:
             self._others.begin_anew(now, parts, limits)
         self.limits, self._memory = limits, TUNING.stretched_windows * longest_window(limits)
 
-    def mute(self, until: float, *, scarce: bool) -> None:
-        """Before then nothing may be sent that others have to hear of at once [s]: the allowance has no room for it.
-
-        Where words are `scarce` they need not hear of all of that (`untold`).
-        """
-        self._mute_until, self.scarce = until, scarce
+    def mute(self, until: float) -> None:
+        """Before then nothing may be sent that others have to hear of at once [s]: the allowance has no room for it."""
+        self._mute_until = until
 
     def whole(self, now: float, k: int) -> float:
         """What may be used within the window that ends now, by us in `split`, else by all [units of the constraint]."""
@@ -122,14 +115,9 @@ class Budget:
         part = self.coordination.meanwhile.confined
         return free if part >= 1.0 else [min(room, _confined(self, now, k, part)) for k, room in enumerate(free)]
 
-    def lacking(
-        self, now: float, use: tuple[float, ...], total: tuple[float, ...] = (), *, booked: bool = False
-    ) -> tuple[str, ...]:
-        """Name the constraints that leave no room for a message with this use now, or the `total` it goes with.
-
-        Others may have its stream `booked`.
-        """
-        if now < self._mute_until and must_tell(self, use, booked=booked):
+    def lacking(self, now: float, use: tuple[float, ...], total: tuple[float, ...] = ()) -> tuple[str, ...]:
+        """Name the constraints that leave no room for a message with this use now, or the `total` it goes with."""
+        if now < self._mute_until and changes_plans(use, self.limits):
             return tuple(limit.name for limit in self.limits if limit.shared)
         usable = self.usable(now)
         return tuple(
@@ -161,13 +149,7 @@ class Budget:
         return coordination.equal.by_clock and _next_turn(self, coordination, now, use) > -math.inf
 
     def opens(
-        self,
-        now: float,
-        use: tuple[float, ...],
-        total: tuple[float, ...] = (),
-        *,
-        anybodys: bool = False,
-        booked: bool = False,
+        self, now: float, use: tuple[float, ...], total: tuple[float, ...] = (), *, anybodys: bool = False
     ) -> float:
         """When room opens for a message, or the `total` it goes with [s]; −∞: it is there, ∞: never is.
 
@@ -178,7 +160,7 @@ class Budget:
         central decider, and 82 to 93 where such a sample was dropped.
         """
         needed, coordination = total or use, self.coordination
-        if now < self._mute_until and must_tell(self, use, booked=booked):
+        if now < self._mute_until and changes_plans(use, self.limits):
             return self._mute_until
         if coordination.equal.by_clock and (turn := _next_turn(self, coordination, now, needed)) > -math.inf:
             return turn if self.lacking(now, use, needed) else -math.inf
@@ -280,15 +262,6 @@ class Budget:
         if self.alone:
             return ()
         return self._others.sends(now, since, self.usable(now), self.own.leave_after, words=words)
-
-
-def must_tell(budget: Budget, use: tuple[float, ...], *, booked: bool) -> bool:
-    """Whether a message changes what others plan, so that they have to hear of it at once.
-
-    Where words are scarce, of what they have `booked` by its rate, only if it is larger than other such.
-    """
-    part = TUNING.booked_large if booked and budget.scarce else MODEL.large
-    return exceeds(part, use, budget.limits)
 
 
 def in_turn(budget: Budget, now: float, use: tuple[float, ...]) -> bool:

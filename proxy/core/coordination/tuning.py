@@ -150,11 +150,6 @@ class CoordinationTuning:
     due_samples: int = 16
     """Of bursts the newest sample is among so many of a period."""
 
-    booked_large: float = 0.05
-    """What all book by its rate is announced, while words are scarce, where it takes more than this part of a limit:
-    of twelve robots one told of samples of 0.021 limits in a third of all words, and another was mute nine tenths of
-    the time (88 % of a central decider, 98 with what keeps the turns at words fair)."""
-
     worthless: float = 3600.0
     """Messages are worth nothing any more after this [s]."""
     too_late: float = 1.5

@@ -58,10 +58,6 @@ class Announcements:
         waits = self._coordination.team.rivals and self.needed and not self.overheard
         return self._budget.due_ahead(now, TUNING.announcement_debt, announces=True) if waits else now
 
-    def scarce(self, now: float) -> bool:
-        """Whether more was announced lately than the allowance has brought: what all book need not be."""
-        return self.needed and not self.overheard and self._budget.due_ahead(now, 0.0) > now
-
     def tells_at(self, now: float) -> float:
         """When what changes plans is announced: ahead of the allowance, little so where nearly all overhear it [s]."""
         if self.overheard and self._view.paths.mean_loss() < TUNING.overheard_loss:

@@ -60,10 +60,6 @@ class Appraisal:
         """What a sample uses of the constraints in force now, which may be others than when its decision began."""
         return use_of(sample.size, self.copies(stream), self.budget.limits)
 
-    def booked(self, stream: Stream) -> bool:
-        """Whether all book a stream by its rate, as prices alone decide on it."""
-        return self.disputes.weighed(stream).standing in (Standing.UNDISPUTED, Standing.PRICED)
-
     def owed(self, now: float, stream: Stream, sample: Waiting) -> bool:
         """Whether a guarantee of the stream demands the sample."""
         return guaranteed(stream) and any(owed(stream, [sample.t_gen], self.view.audiences.of(now, stream).slowest))

@@ -221,7 +221,7 @@ class Gate:
         if self._budget.limits and not self._view.subscribers.gaining(stream):
             return self.outcomes.refuse(now, stream, sample, Why("dropped:once"))
         must = self.appraisal.owed(now, stream, sample)
-        if lacking := self._budget.lacking(now, use, booked=self.appraisal.booked(stream)):
+        if lacking := self._budget.lacking(now, use):
             if must:
                 self.decisions.count(Shortcut.UNKEPT)
             return self.outcomes.refuse(now, stream, sample, Why(CONSTRAINT, Shortcut.UNKEPT if must else "", lacking))

@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from planner import Aggregation
-from proxy.core.coordination.budget import must_tell
 from proxy.core.interface.commands import Command, Drop, Forward
 from proxy.core.model.limits import use_of
 from proxy.core.model.mode import Mode
@@ -58,8 +57,7 @@ class Outcomes:
             sent = Sent(min(sample.t_gen, now), now, sample.size, sample.scale, sample.features)
             if stream.information_type.aggregation is Aggregation.ONCE:
                 self._first[sample.sample] = stream, self._view.subscribers.gaining(stream)
-            quiet = not must_tell(self._budget, use, booked=self._appraisal.booked(stream))
-            self._view.traffic.note_sent(stream, stream.forwarded + 1, sent, quiet=quiet)
+            self._view.traffic.note_sent(stream, stream.forwarded + 1, sent)
             self._settle(stream, why.reason)
         self._count_on_air(stream, sample)
         self._budget.use(now, use, sample.sample)

@@ -131,7 +131,7 @@ class Waits:
         else:
             needed = use if self._budget.alone else self._disputes.under_way.beside(use, news_take(self._view))
         alarm = not stream.information_type.markovian and (not contested or weighed.outweighs)
-        room = self._budget.opens(now, use, needed, anybodys=leads or alarm, booked=appraisal.booked(stream))
+        room = self._budget.opens(now, use, needed, anybodys=leads or alarm)
         if leads and room > now:
             room += opening(self._view)
         opens = room if room <= until else -math.inf

@@ -23,7 +23,7 @@ class TrafficLog:
         self.messages = 0
         self.bytes = 0
         self.largest = 0
-        """The largest sample that others have to hear of which we sent since the last digest, all copies of it [B]."""
+        """The largest sample of a stream that we sent since the last digest, all copies of it [B]."""
         self.sends: deque[Entry] = deque(maxlen=TUNING.sends)
         self.revision = 0
         self._stretched = 0.0
@@ -37,13 +37,13 @@ class TrafficLog:
         self.bytes += size
         self.largest = max(self.largest, largest)
 
-    def note_sent(self, stream: Stream, count: int, sent: Sent, *, quiet: bool = False) -> None:
-        """The `count`-th sample sent of a stream was this one; of a `quiet` one others need not hear at once."""
+    def note_sent(self, stream: Stream, count: int, sent: Sent) -> None:
+        """The `count`-th sample sent of a stream was this one."""
         noted = stream.note_sent(count, sent)
         stream.reach(self._subscribers.of(stream))
         copies = self._subscribers.copies(stream)
         if stream.robot == self.robot:
-            self.largest = max(self.largest, 0 if quiet else copies * sent.size)
+            self.largest = max(self.largest, copies * sent.size)
         else:
             self.revision += 1
             self.noted += len(noted)

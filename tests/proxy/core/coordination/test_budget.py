@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from planner.measures import Throughput
-from proxy.core.coordination.budget import grew, in_turn, must_tell, sustained
+from proxy.core.coordination.budget import grew, in_turn, sustained
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.model.limits import Limit
@@ -59,22 +59,10 @@ def test_room_opens_later_when_more_was_sent_meanwhile(make_budget):
 def test_a_sample_that_cannot_be_announced_yet_waits_until_it_can(make_budget):
     """Though there is room for it: an alarm was dropped at once else. A small one goes, as nobody has to hear of it."""
     budget, _ = make_budget()
-    budget.mute(1.8, scarce=False)
+    budget.mute(1.8)
     assert budget.lacking(1.3, (300.0,)) == ("bytes",)
     assert budget.opens(1.3, (300.0,)) == 1.8
     assert budget.opens(1.3, (1.0,)) == budget.opens(1.8, (300.0,)) == -math.inf
-
-
-@pytest.mark.parametrize(("size", "booked", "goes"), [(40.0, True, True), (40.0, False, False), (60.0, True, False)])
-def test_what_all_book_goes_though_words_are_scarce(make_budget, size, booked, goes):
-    """Nobody has to hear of it then, up to a twentieth of a limit; while there are words enough they do."""
-    budget, _ = make_budget()
-    budget.mute(1.8, scarce=True)
-    assert (budget.lacking(1.3, (size,), booked=booked) == ()) is goes
-    assert (budget.opens(1.3, (size,), booked=booked) == -math.inf) is goes
-    assert must_tell(budget, (size,), booked=booked) is not goes
-    budget.mute(1.8, scarce=False)
-    assert budget.lacking(1.3, (size,), booked=booked) == ("bytes",)
 
 
 def test_in_a_long_window_no_more_may_be_used_than_leaves_room_on_the_way(make_budget):

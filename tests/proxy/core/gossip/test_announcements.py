@@ -122,18 +122,6 @@ def test_an_announcement_may_spend_the_allowance_ahead_of_time_but_not_for_ever(
     assert alone.announcements.due_at(NOW + 1.0) == NOW + 1.0
 
 
-def test_words_are_scarce_where_more_was_announced_than_the_allowance_has_brought(make_sender):
-    """Not where nobody has to hear of what we send."""
-    sender, alone = make_sender(), make_sender(sending=("r1",))
-    assert not sender.announcements.scarce(NOW)
-    for each in (sender, alone):
-        each.budget.sent(NOW, round(3 * each.budget.rate), 1, announces=True)
-    assert sender.announcements.due_at(NOW) == NOW
-    assert sender.announcements.scarce(NOW)
-    assert not sender.announcements.scarce(NOW + 4.0)
-    assert not alone.announcements.scarce(NOW)
-
-
 @pytest.mark.parametrize("lost", [0, 30])
 def test_what_nearly_all_overhear_is_announced_little_ahead_of_the_allowance(make_sender, monkeypatch, lost):
     """Where much is lost it is as in unicast."""
