@@ -12,10 +12,9 @@ from planner import Constraint, Linear, Message
 from planner.utility import Floats, MessageUtility
 from proxy.core.forecast.rhythm import Rhythm
 from proxy.core.forecast.schedule import Schedule
-from proxy.core.forecast.tuning import TUNING
 
-PRIOR = TUNING.lone_timeout / TUNING.timeout_periods
-"""What the core takes for the period of a stream while nobody has generated twice [s]."""
+PRIOR = 1.0
+"""What is taken for the period of a stream while nobody has generated twice [s]."""
 
 
 class Outlook(NamedTuple):
