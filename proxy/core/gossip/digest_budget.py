@@ -257,7 +257,7 @@ class DigestBudget:
         until = max(affordable + window * turn, self.last_ordinary + patience * turn)
         due = max(now, affordable, min(max(room, fits), until))
         if self._splits:
-            due = max(due, min(fits, self._patience_ends(cost)))
+            due = max(due, min(fits, self._told_at + self._patience(cost)))
         return max(due, self.last_ordinary + apart)
 
     def due_ahead(self, now: float, seconds: float, *, announces: bool = False) -> float:
@@ -268,12 +268,12 @@ class DigestBudget:
         what the allowance brings. One of six robots was mute for 97 % of a flight by that (68 % of a central decider,
         81 so); another one, that heard two teams meet, for 28 s.
         """
-        patience = self._patience_ends(self._brief * self._copies)
+        cost = self._brief * self._copies
         if announces:
-            deeper = (TUNING.deepest_debt - seconds) / (patience - self._told_at)
+            deeper = (TUNING.deepest_debt - seconds) / self._patience(cost)
             wait = -seconds - deeper * (now - self._told_at) - self._levels(now)[0] / self.rate
             return now + max(0.0, wait) / (1.0 + deeper)
-        return max(now, min(self._paid_ahead(now, seconds), patience + TUNING.deepest_debt))
+        return max(now, min(self._paid_ahead(now, seconds), self._told_at + self._patience(cost) + TUNING.deepest_debt))
 
     def due_with_parts(self, now: float, seconds: float) -> float:
         """The same for news of parts, which a part of the allowance is left to while debts are paid [s]."""
@@ -297,18 +297,18 @@ class DigestBudget:
             _beside_debts(self._recent_at, self._turn, cost / self.rate),
         )
         room = max(paid, self._fits_at(now, cost))
-        return max(now, min(room, self._patience_ends(cost)), turn)
+        return max(now, min(room, self._told_at + self._patience(cost)), turn)
 
     def _paid_ahead(self, now: float, seconds: float) -> float:
         """When no more than the allowance of so many seconds is spent ahead of time by all [s]."""
         return now + max(0.0, -seconds * self.rate - self._levels(now)[0]) / self.rate
 
-    def _patience_ends(self, cost: float) -> float:
-        """Until when we wait for the others to leave room, at most [s]: some time after an equal part paid for it.
+    def _patience(self, cost: float) -> float:
+        """How long after our last word we wait for the others to leave room at most [s]: an equal part pays for it.
 
         Else a robot that says fifty digests a second silences all others; what we told last is paid for first.
         """
-        return self._told_at + TUNING.patience * max(cost, self._told) * self._robots / self.rate
+        return TUNING.patience * max(cost, self._told) * self._robots / self.rate
 
     def _note(self, now: float, size: int, copies: int) -> float:
         """Return what so many bytes in so many copies cost; that much was told now."""

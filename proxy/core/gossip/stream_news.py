@@ -84,7 +84,7 @@ class StreamNews:
         announced = self._announced.get(stream.key)
         if announced is None or stream.last is None:
             return stream.last is not None
-        if announced[1].t_generated < stream.schedule.resumed:
+        if _resumed_since(announced[1], stream):
             return True
         low, high = sorted((announced[1].scale, stream.last.scale))
         return high - low > TUNING.value_change * max(low, 1e-9)
@@ -98,7 +98,7 @@ class StreamNews:
         announced = self._announced.get(stream.key)
         if announced is None:
             return stream.last is not None
-        if announced[1].t_generated < stream.schedule.resumed:
+        if _resumed_since(announced[1], stream):
             return True
         return announced[1].period == 0.0 and stream.schedule.rhythm is not None
 
@@ -146,6 +146,11 @@ class StreamNews:
     def _weight(self, stream: Stream, digest: StreamDigest) -> float:
         announced = self._announced.get(stream.key)
         return float("inf") if announced is None else abs(digest.scale - announced[1].scale) + digest.scale
+
+
+def _resumed_since(announced: StreamDigest, stream: Stream) -> bool:
+    """Whether a stream began again after a pause since it was announced."""
+    return announced.t_generated < stream.schedule.resumed
 
 
 def _fitting(entries: list[tuple[Stream, StreamDigest]]) -> list[tuple[Stream, StreamDigest]]:

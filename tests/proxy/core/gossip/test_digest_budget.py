@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from proxy.core.gossip.digest_budget import DigestBudget, RecentBytes, StateBudget
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.protocol.messages import Echo
+from utility_specs.digests import LEAST_RATE
 
 SIZE = 40
 AHEAD = 5.0
@@ -181,6 +182,14 @@ def test_who_counts_a_little_more_as_owed_announces_nearly_as_often(more):
     cost = (SIZE + OVERHEAD) * 3
     assert told[0] >= 0.4 * max(told)
     assert sum(told) * cost <= 1000.0 * 60.0 + TUNING.deepest_debt * 1000.0
+
+
+@pytest.mark.parametrize("rate", [LEAST_RATE, 1e18])
+def test_an_announcement_has_a_time_whatever_the_allowance_is(rate):
+    """A limit that is meant for none leaves so much that no clock tells how long a digest takes of it."""
+    budget = budget_of(rate, robots=3)
+    budget.sent(1e6, SIZE, 3, announces=True)
+    assert budget.due_ahead(1e6, AHEAD, announces=True) == 1e6
 
 
 @pytest.mark.parametrize("window", [0.25, 0.5, 0.9])
