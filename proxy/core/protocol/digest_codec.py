@@ -65,14 +65,14 @@ def unpack_digest(data: bytes, robot: str, tag: str, own: str = "", sent: Iterab
         capacity=tuple(checked.amount(part, 1.0) for part in capacity),
         splits=splits,
         split=report,
-        partial=_is_partial(fields, streams, report),
+        partial=_is_partial(fields, streams, split),
     )
 
 
-def _is_partial(fields: list[Any], streams: list[Any], report: SplitReport | None) -> bool:
+def _is_partial(fields: list[Any], streams: list[Any], split: list[Any]) -> bool:
     """Whether a digest does not tell of all; version 6 did not say that, and told of parts alone now and then."""
     if fields[0] < TELLS_WHETHER_ALL:
-        return not streams and report is not None
+        return bool(split) and not streams
     return any(checked.count(said, 1) for said in fields[9:10])
 
 

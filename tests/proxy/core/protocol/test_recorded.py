@@ -92,6 +92,12 @@ def test_version_6_did_not_say_whether_it_told_of_all(name, partial):
     assert read("digest", bytes.fromhex(case["bytes"])).partial is partial
 
 
+@pytest.mark.parametrize(("split", "partial"), [([], False), ([1], True)])
+def test_of_version_6_who_wants_parts_may_have_told_of_them_alone(split, partial):
+    """Also that it has none of its own any more, as all have equal ones."""
+    assert read("digest", msgpack.packb([6, 800_000, 1, 3, 100, [], [], [], split])).partial is partial
+
+
 def test_other_versions_are_told_from_what_is_malformed():
     """Whatever else a message of one may be like."""
     for version in (0, VERSION + 2, 100, 70_000):
