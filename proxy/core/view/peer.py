@@ -224,7 +224,7 @@ class Peer:
 
 
 class Staleness:
-    """What digests take to come, and when the last one of each robot was sent."""
+    """What digests take to come, and until when each robot told of its streams."""
 
     def __init__(self, peers: Mapping[str, Peer]) -> None:
         self._peers = peers
@@ -250,6 +250,11 @@ class Staleness:
     def forget(self, robot: str) -> None:
         """A robot left."""
         self._told_until.pop(robot, None)
+
+    def rename(self, robot: str, name: str) -> None:
+        """A robot has another name from now on."""
+        if robot in self._told_until:
+            self._told_until[name] = self._told_until.pop(robot)
 
     def told_until(self, robot: str) -> float:
         """Until when a robot told of all its streams [s, our clock]; without end where none tells: all is heard."""

@@ -90,6 +90,7 @@ class SharedView:
         heir = self.members.heir_of(peer.robot)
         if heir is not None:
             self.streams.rename(heir.robot, heir.name)
+            self.staleness.rename(heir.robot, heir.name)
             self.members.restore_name(heir)
         self.origins.assign()
         self.subscribers.note_transports()

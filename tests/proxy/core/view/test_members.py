@@ -49,7 +49,9 @@ def test_a_robot_that_restarted_has_its_name_when_its_old_self_leaves(view):
     assert [peer.robot for peer in view.peers.values()] == ["r2", "r2-z-ne"]
     view.heard_state(2.0, State("r2", "z-new", "enforce", "", (StreamState(7, CAMERA, "camera", 0.5),)))
     view.heard_digest(2.0, Digest("r2", "z-new", 1.0, 0, 0, (StreamDigest(7, 1, 1, 1.0, 1.0, 10, 1.0),)))
+    told = view.staleness.told_until("r2-z-ne")
     view.gone(1.0, "z-r2")
+    assert (view.staleness.told_until("r2"), view.staleness.told_until("r2-z-ne")) == (told, math.inf)
     assert [(stream.robot, stream.generated) for stream in view.streams] == [("r2", 1)]
     assert [peer for peer in view.peers.values() if peer.is_namesake] == []
     view.gone(1.0, "z-new")
