@@ -99,7 +99,8 @@ class Coordination:
             return NOT_NEEDED
         if self.equal.by_clock:
             return self.equal.turn(now, k, amount / limit.limit)
-        alone = self.split_in_force is None or self.part(now, k) >= TUNING.whole_part
+        split = self.split_in_force  # who overbooks its part has no more of the limit to itself
+        alone = split is None or split.own_part.of(now, k) >= TUNING.whole_part
         return NOT_NEEDED if alone else NOT_NOW
 
     def sent(self, now: float, uses: Sequence[float]) -> None:

@@ -88,14 +88,25 @@ def test_until_parts_are_agreed_on_a_team_that_changes_over_has_equal_ones_or_th
     assert 0.0 < team.coordination.part(team.now, 0) < 0.5 * equal
 
 
-def agreed(make_team):
-    """A team of two that has agreed on parts, and what we announced."""
+def agreed(make_team, asked=4_000):
+    """A team of two that has agreed on parts, the other of which `asked` for so much, and what we announced."""
     team = make_team(("p1",))
     team.look(waiting=99.0)
-    team.say("p1", splits=True, split=SplitReport(1, (Segment(4_000, 100),), 1, 0))
+    team.say("p1", splits=True, split=SplitReport(1, (Segment(asked, 100),), 1, 0))
     team.coordination.announced(team.now, ours := team.coordination.announcement(team.now))
     team.say("p1", splits=True, split=SplitReport(1, None, ours.table, 0))
     return team, ours
+
+
+def test_who_overbooks_its_part_does_not_have_a_limit_to_itself(make_team):
+    """What is larger than all of it would take the other's part, too."""
+    team, _ = agreed(make_team, asked=200)
+    for _ in range(200):
+        team.go_on()
+        team.look(waiting=99.0, announcing=2.0, using=0.1)
+    limit = team.limits[0]
+    assert TUNING.whole_part < team.coordination.part(team.now, 0) <= 1.0
+    assert team.coordination.turn(team.now, 0, limit, 2.0 * limit.limit) == NOT_NOW
 
 
 def test_a_team_whose_limits_change_has_equal_parts_until_it_agrees_anew(make_team):
