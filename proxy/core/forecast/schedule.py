@@ -107,10 +107,9 @@ class Schedule:
             return self.forecast(after, at_last, 1, now)
         return self._pattern.ahead(Span(now, after, until, most), at_last)
 
-    def prospect(self) -> tuple[float, float, float]:
-        """Return when the last sample came (else -∞), the timeout, and about when the next one comes (else ∞) [s]."""
-        last = self._history.newest[1]
-        return last, self.timeout, last + self.period if self._pattern else math.inf
+    def prospect(self) -> tuple[float, float]:
+        """Return from when on the stream is over (-∞: nothing came), and when about a sample comes next (or ∞) [s]."""
+        return self.over_at, self._history.newest[1] + self.period if self._pattern else math.inf
 
     def _goes_back(self) -> bool:
         """Begin a new past at a sample before the last one, where several were; return whether it counts so."""
@@ -143,4 +142,5 @@ class Schedule:
         self.period, self.jitter, self.kind = pattern.period, pattern.jitter, pattern.kind
         period = max(self.period, rhythm.period if rhythm else 0.0)
         gap = max(self._history.longest_gap, pattern.pause)
-        self.timeout = max(TUNING.least_timeout, TUNING.timeout_periods * period, TUNING.timeout_gaps * gap)
+        least = TUNING.least_timeout if period else TUNING.lone_timeout
+        self.timeout = max(least, TUNING.timeout_periods * period, TUNING.timeout_gaps * gap)

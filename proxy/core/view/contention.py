@@ -10,22 +10,22 @@ from proxy.core.view.subscribers import Subscribers
 
 
 class _Row:
-    """What there is to know of a stream after changes `seen`: a byte's worth, negated, the `last` and next [s]."""
+    """What there is to know of a stream after changes `seen`: a byte's worth, negated, its end and next sample [s]."""
 
-    __slots__ = ("cheapness", "due", "last", "patience", "seen", "stream", "wanted")
+    __slots__ = ("cheapness", "due", "over_at", "seen", "stream", "wanted")
 
     def __init__(self, stream: Stream) -> None:
         self.stream = stream
         self.seen = -1
         self.wanted = False
-        self.cheapness = self.last = self.patience = self.due = 0.0
+        self.cheapness = self.over_at = self.due = 0.0
 
     def look(self, subscribers: Subscribers) -> None:
         stream, last = self.stream, self.stream.last
         self.seen = stream.changes
         gaining = 0 if last is None else len(subscribers.gaining(stream))
         self.wanted = gaining > 0
-        self.last, self.patience, self.due = stream.schedule.prospect()
+        self.over_at, self.due = stream.schedule.prospect()
         if last is not None:
             copies = subscribers.copies(stream)
             self.cheapness = -at_stake(stream, last.scale) * gaining / max(last.size * copies, 1)
@@ -80,7 +80,7 @@ class Contention:
             rows = [
                 row
                 for row in self._rows.values()
-                if row.wanted and max(until[row.stream.robot], row.stream.known_until) - row.last < row.patience
+                if row.wanted and max(until[row.stream.robot], row.stream.known_until) < row.over_at
             ]
             self._known = told, rows
         return self._known[1]

@@ -373,6 +373,14 @@ def test_a_function_of_the_operators_says_when():
     assert schedule.forecast(103.0, 113.0, 9) == [105.0]
 
 
+def test_of_one_sample_a_function_may_expect_the_next_one_as_late_as_others_do():
+    """Its stream has no period yet by which it could be over."""
+    schedule = observe(ruled(PythonRule("mission:times", lambda times, _: [times[-1] + 5.0])), [100.0])
+    assert schedule.forecast(100.0, 111.0, 9) == [105.0]
+    assert not schedule.over(106.0)
+    assert schedule.over(100.0 + TUNING.lone_timeout)
+
+
 def test_a_function_that_fails_in_flight_is_counted():
     """Then nothing is expected of the stream."""
     failures = Failures()
@@ -434,12 +442,12 @@ def test_a_period_that_no_clock_can_tell_is_not_believed(kind):
     assert schedule.forecast(100.3, 160.3, 60, 100.3) == []
 
 
-def test_last_sample_timeout_and_next_sample_are_known_at_a_look():
+def test_end_and_next_sample_are_known_at_a_look():
     """As they are asked for one by one; without a period nothing is due."""
     schedule = Schedule()
-    assert schedule.prospect() == (-math.inf, schedule.timeout, math.inf)
+    assert schedule.prospect() == (-math.inf, math.inf)
     for count in range(1, 9):
         schedule.observe(count, 0.5 * count)
-    assert schedule.prospect() == (4.0, schedule.timeout, pytest.approx(4.5))
+    assert schedule.prospect() == (schedule.over_at, pytest.approx(4.5))
     schedule.observe(9, 4.5)
-    assert schedule.prospect() == (4.5, schedule.timeout, pytest.approx(5.0))
+    assert schedule.prospect() == (schedule.over_at, pytest.approx(5.0))

@@ -116,7 +116,7 @@ def chosen(view, now, most):
         return found
 
     def due(stream):
-        return max(now, stream.schedule.prospect()[2])
+        return max(now, stream.schedule.prospect()[1])
 
     def worth(stream):
         return (
