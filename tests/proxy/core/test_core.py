@@ -747,7 +747,7 @@ def test_who_starts_with_a_name_that_is_taken_is_said_loudly(make_talk):
 
 
 def test_the_status_tells_which_streams_are_over_and_no_more_sends_than_samples(make_talk):
-    """What was heard from the air is not told of yet; a stream that is silent for ten periods is over."""
+    """What was heard from the air is not told of yet; a stream that is silent for four periods is over."""
     talk = make_talk()
     talk.want(0.0)
     for step in range(4):

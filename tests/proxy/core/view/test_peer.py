@@ -87,7 +87,7 @@ def test_news_without_a_key_that_is_heard_of_no_more_makes_room(view):
 
 
 def test_how_long_a_stream_is_silent_tells_when_its_robot_spoke_not_when_that_came(make_specs):
-    """Where news take as long as ten periods no stream is over for it."""
+    """Where news take longer than a stream may be silent none is over for it."""
     view = SharedView(CoreSettings("r1", "z-r1"), make_specs())
     view.subscribers.set_own(("robot/**",))
     view.add_peer(0.0, "r2", "z-r2")
