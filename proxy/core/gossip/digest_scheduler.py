@@ -216,7 +216,7 @@ class DigestScheduler:
                 self._announced(self._composer.announcement(now, streams))
         self._messages = self._view.traffic.messages
         self._introduces.clear()
-        self._ceasing_at = -math.inf
+        self._ceasing = {key: at for key, at in self._ceasing.items() if at > now}
         self._view.traffic.announced()
         return self._send(now, digest, announces=digest.brief or only_parts)
 

@@ -7,8 +7,8 @@ from statistics import median
 
 import proxy.core.core
 from proxy.core.interface import events as ev
-from proxy.core.interface.commands import Decide, Forward
-from proxy.core.protocol.messages import State
+from proxy.core.interface.commands import Decide, Forward, SendDigest
+from proxy.core.protocol.messages import Digest, State, StreamDigest, StreamState
 
 CORE = str(Path(proxy.core.core.__file__).parent)
 
@@ -96,3 +96,27 @@ def test_what_is_heard_is_little_work_however_many_streams_there_are(make_talk, 
         counts[streams] = median(heard[200:])
     assert counts[100] <= 1.5 * counts[1]
     assert counts[1] <= 60
+
+
+def test_which_streams_ceased_is_not_looked_for_at_each_digest(make_talk, make_specs):
+    """Of a thousand streams, under a limit that leaves much to digests, that took 40 % of the robot's time."""
+    talk, streams = make_talk(make_specs("80 Mbit/s"), allowance=0.02), 200
+    told = (StreamState(1, "robot/op/camera", "camera", 1.0, 0.0, 30_000),)
+    talk.tell(ev.PeerAppeared(0.0, "op", "zz-op"))
+    talk.tell(ev.StateHeard(0.0, State("op", "zz-op", "enforce", "", told, ("robot/**",), number=1), 200))
+    calls = Counter()
+    for number in range(1000):
+        now = 1.0 + 0.001 * number
+        if number % 200 == 0:
+            count = number // 200 + 1
+            news = StreamDigest(1, count, count, now - 0.002, now - 0.001, 30_000, 1.0)
+            talk.tell(
+                ev.DigestHeard(now, Digest("op", "zz-op", now - 0.001, count, 30_000 * count, (news,), state=1), 60)
+            )
+        commands, seen = touched(talk.tell, published(now, number, f"robot/r{number % streams}/camera"))
+        calls += seen
+        for decide in [each for each in commands if isinstance(each, Decide)]:
+            talk.answer(now, decide, send=True)
+    assert len(talk.all(SendDigest)) > 100
+    (looks,) = [count for path, count in calls.items() if path.endswith("gossip/announcements.py")]
+    assert looks <= 60 * streams
