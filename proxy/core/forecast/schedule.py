@@ -17,6 +17,8 @@ class Schedule:
     def __init__(self) -> None:
         self.timeout = TUNING.lone_timeout
         """The stream is over when it is silent for longer than this [s]."""
+        self._pause = TUNING.lone_timeout
+        """From how long on a gap is a pause [s]: less than that where samples come fast."""
         self.resumed = -math.inf
         """When it began again after a pause [s]."""
         self.period = 0.0
@@ -73,8 +75,8 @@ class Schedule:
             elif t_gen == history.newest[1] or not self._goes_back():
                 return
         sample = count, t_gen
-        paused = self.over(t_gen) and bool(history.past)
-        if paused:
+        paused = t_gen - history.newest[1] >= self._pause and bool(history.past)
+        if paused and self.over(t_gen):
             self.resumed = t_gen
         history.note_gap(paused=paused)
         if reported is not None:
@@ -138,9 +140,12 @@ class Schedule:
         self._pattern = pattern = told or self._recognition.pattern(self._history, rhythm)
         if pattern is None:
             self.period, self.jitter, self.kind, self.timeout = 0.0, 0.0, "", TUNING.lone_timeout
+            self._pause = self.timeout
             return
         self.period, self.jitter, self.kind = pattern.period, pattern.jitter, pattern.kind
         period = max(self.period, rhythm.period if rhythm else 0.0)
         gap = max(self._history.longest_gap, pattern.pause)
         least = TUNING.least_timeout if period else TUNING.lone_timeout
-        self.timeout = max(least, TUNING.timeout_periods * period, TUNING.timeout_gaps * gap)
+        gaps = TUNING.timeout_gaps * gap
+        self.timeout = max(least, TUNING.timeout_periods * period, gaps)
+        self._pause = min(self.timeout, max(TUNING.pause_periods * period, gaps))

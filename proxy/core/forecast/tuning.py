@@ -70,6 +70,8 @@ class ForecastTuning:
     timeout_periods: float = 4.0
     """Other streams are over after so many of their periods (of unequal teams whose streams pause for 5 to 15 s twenty
     reached 93.2 % of a central decider with ten, 94.4 so),"""
+    pause_periods: float = 10.0
+    """A gap of so many periods is a pause, though the stream was not over: what comes then has another beginning."""
     timeout_gaps: float = 3.0
     """and not before so many times the longest gap between two samples that they lately made."""
     random_gap: float = 3.0
