@@ -224,7 +224,7 @@ class Coordination:
             self.equal.look(now, self._view, limits, self.team, using)
         else:
             self.equal.rest()
-        # Parts by configuration, or as news are late, hold a limit in every window.
+        # Parts hold a limit in every window by configuration, or where news are late and words not dear.
         lasting = self.formation.established and self.team.tight and not self.team.strict
         log = split.agreement.log if lasting and (split := self.split_in_force) is not None else None
         self._overbooking.look(now, log, using, max(self._kind[0], default=0.0))
