@@ -63,7 +63,7 @@ class Claims:
 
     def lead(self, now: float, stream: Stream, limits: tuple[Limit, ...]) -> bool:
         """Whether a periodic stream of ours has the best claim: the others leave it the room that opens next."""
-        if not _waits(stream) or _has_just_resumed(now, stream, news_take(self._view)):
+        if not _waits(stream) or _has_just_resumed(now, stream, self._view):
             return False
         known = now, self._disputes.revision, limits, self._disputes.weighed(stream).standing
         if known != self._known:
@@ -96,7 +96,7 @@ class Claims:
         ours, news = claim(now, stream) if self._pays(stream) else NOBODY, news_take(self._view)
         opened = grew(now, news)
         late = self._is_late(now, stream, opened if all(theirs < ours for theirs, _ in claims) else -math.inf)
-        if late or _has_just_resumed(now, stream, news):
+        if late or _has_just_resumed(now, stream, self._view):
             ours = NOBODY
         better = sorted([entry for entry in claims if entry[0] > ours], key=itemgetter(0), reverse=True)
         better[1:] = [entry for entry in better[1:] if self._finds_room(entry[1], limits, free)]
@@ -210,9 +210,10 @@ def is_large(stream: Stream, view: SharedView, limits: tuple[Limit, ...]) -> boo
     return changes_plans(use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits, own=False), limits)
 
 
-def _has_just_resumed(now: float, stream: Stream, news: float) -> bool:
+def _has_just_resumed(now: float, stream: Stream, view: SharedView) -> bool:
     """Whether others cannot know yet that a stream of ours goes on, which they take to have ceased."""
-    return now < stream.schedule.resumed + news
+    resumed = stream.schedule.resumed
+    return resumed > -math.inf and now < resumed + news_take(view)
 
 
 def _waits(stream: Stream) -> bool:

@@ -225,8 +225,9 @@ class Coordination:
         else:
             self.equal.rest()
         # Parts hold a limit in every window by configuration, or where news are late and words not dear.
-        lasting = self.formation.established and self.team.tight and not self.team.strict
-        log = split.agreement.log if lasting and (split := self.split_in_force) is not None else None
+        split = self.split_in_force  # the team may have changed over
+        overbooks = self.formation.established and self.team.tight and not self.team.strict
+        log = split.agreement.log if split is not None and overbooks else None
         self._overbooking.look(now, log, using, max(self._kind[0], default=0.0))
 
     def announcement(self, now: float) -> SplitReport | None:

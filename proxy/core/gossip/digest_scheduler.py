@@ -168,11 +168,13 @@ class DigestScheduler:
             due = min(due, max(self._parts_at(now), self._sent_at + TUNING.parts_apart))
         if now >= self._ceasing_at + TUNING.surely_over:  # not at each event, where a robot has hundreds of streams
             self._ceasing, self._ceasing_at = self._announcements.ceasing(self._news), now
-        self._introduces.update(key for key, at in self._ceasing.items() if at <= now)
+        ceases_at = min(self._ceasing.values(), default=math.inf)
+        if ceases_at <= now:
+            self._introduces.update(key for key, at in self._ceasing.items() if at <= now)
         if self._sent_much() or self._announcements.silence_untold:
             due = min(due, self._announcements.tells_at(now))
-        elif self._ceasing:
-            due = min(due, max(min(self._ceasing.values()), self._announcements.tells_at(now)))
+        elif ceases_at < math.inf:
+            due = min(due, max(ceases_at, self._announcements.tells_at(now)))
         return min(due, self._budget.due_soon(now)) if self.urgent and not coordination.team.splits else due
 
     def _parts_at(self, now: float) -> float:

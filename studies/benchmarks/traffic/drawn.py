@@ -135,10 +135,8 @@ def _parser() -> argparse.ArgumentParser:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "--first", type=int, default=first_seed(datetime.now(UTC).date()), help="first seed (default: by the day)"
-    )
     add = parser.add_argument
+    add("--first", type=int, default=first_seed(datetime.now(UTC).date()), help="first seed (default: by the day)")
     add("--seeds", type=int, default=120, help="so many of them are drawn (default: 120)")
     add("--robots", type=int, default=max(ROBOTS), help=f"teams of so many at most (default: {max(ROBOTS)}, all)")
     add("--unequal", action="store_true", help="teams whose robots have kinds of their own")
