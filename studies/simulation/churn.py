@@ -1,4 +1,4 @@
-"""What happens to a team in flight: robots come and go, the mesh falls apart and together again."""
+"""What happens to a team in flight: robots come, go and subscribe, the mesh falls apart and together again."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -43,7 +43,16 @@ class Merge:
     t: float
 
 
-Happening = Join | Leave | Crash | Partition | Merge
+@dataclass(frozen=True, slots=True)
+class Subscribe:
+    """The robot's applications subscribe to these key expressions from now on, and to no others."""
+
+    t: float
+    robot: str
+    keys: tuple[str, ...]
+
+
+Happening = Join | Leave | Crash | Partition | Merge | Subscribe
 
 
 def joining(happenings: Iterable[Happening]) -> frozenset[str]:

@@ -8,7 +8,7 @@ from proxy.core.interface import events as ev
 from proxy.core.protocol.messages import State
 from proxy.core.protocol.state_codec import pack_state
 from studies.simulation.agenda import Agenda
-from studies.simulation.churn import Crash, Happening, Join, Leave, Merge, Partition
+from studies.simulation.churn import Crash, Happening, Join, Leave, Merge, Partition, Subscribe
 from studies.simulation.member import Member
 from studies.simulation.network import Network
 
@@ -80,6 +80,10 @@ class Membership:
             case Merge():
                 self._groups = None
                 self._look(t)
+            case Subscribe(_, robot, keys):
+                if (subscriber := self._members.get(robot)) is not None:
+                    subscriber.keys = keys
+                    self._subscribe(subscriber, t)
 
     def _subscribe(self, member: Member, t: float) -> None:
         self._feed(member, t, ev.InterestChanged(member.now(t), member.keys))

@@ -6,7 +6,8 @@ showed a fault. What is flown again and again is tuned on, too: other seeds reac
 reached 95.1. So each day draws its own, unless a first seed is named.
 
 Robots of a team are equal, or with `--unequal` each has kinds of its own (`unequal_teams` says how they differ): the
-first forty such teams showed a stream that held up twelve robots for ever. Flights of two minutes (`--seconds 110`)
+first forty such teams showed a stream that held up twelve robots for ever. With `--audiences` robots share some kinds,
+and the operator looks at one robot after the other (`audiences` says how). Flights of two minutes (`--seconds 110`)
 showed a team that sent 4.5 times the limit after 72 s; so each line has the fullest 10 s.
 """
 
@@ -14,8 +15,8 @@ import argparse
 import math
 import os
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import UTC, date, datetime
 from functools import partial
 from pathlib import Path
@@ -25,9 +26,13 @@ import numpy as np
 
 from planner import Exponential, Linear, Step, Video
 from planner.utility import MessageUtility
+from proxy.core.model.settings import UNICAST
 from studies.benchmarks.report import Table, write_page
 from studies.processes import processes
+from studies.simulation.churn import Happening
 from studies.simulation.traffic import unequal_teams
+from studies.simulation.traffic.audiences import TOLD as WANTED
+from studies.simulation.traffic.audiences import Audience, Interests, audiences, interests
 from studies.simulation.traffic.flights import How, fly, fly_alone
 from studies.simulation.traffic.kinds import Kind
 from studies.simulation.traffic.missions import draw_from
@@ -76,6 +81,12 @@ class Drawn:
     how: How
     load: float
     unequal: bool = False
+    audiences: Mapping[str, Audience] = field(default_factory=dict)
+    """Who wants each kind, by its name; none: an operator, and where samples are broadcast everybody, wants all."""
+
+    def wanted(self, seconds: float) -> Interests:
+        """Draw who subscribes to what in a flight so long [s]."""
+        return interests(_wishes(self.seed, "views"), self.workload, self.audiences, seconds)
 
     @property
     def label(self) -> str:
@@ -102,7 +113,8 @@ class Drawn:
         size = max(kind.sizes) / (workload.rate * workload.window)
         told = f"{type(kind.utility).__name__} {_mean(kind.rates):.1f} Hz {size:.2f} limits"
         told += f"{' anew' if kind.anew else ''}{' at random' if kind.at_random else ''}"
-        return f"{told} of {sum(kind in own for own in workload.robots)}" if self.unequal else told
+        told += f" of {sum(kind in own for own in workload.robots)}" if self.unequal else ""
+        return f"{told} {self.audiences[kind.name].label}" if kind.name in self.audiences else told
 
     @property
     def disputed(self) -> bool:
@@ -131,8 +143,11 @@ def first_seed(day: date) -> int:
     return 1000 * int(f"{day:%Y%m%d}")
 
 
-def drawn_by(seed: int, *, unequal: bool = False) -> Drawn:
-    """Draw a workload; an unequal team has the kinds of the equal one of the same seed, and one more."""
+def drawn_by(seed: int, *, unequal: bool = False, wanted: bool = False) -> Drawn:
+    """Draw a workload; an unequal team has the kinds of the equal one of the same seed, and one more.
+
+    And who wants what, if that is `wanted`: in unicast, as a broadcast costs no more for many.
+    """
     draw = np.random.default_rng(seed)
     robots, window = int(draw.choice(ROBOTS)), float(draw.choice(WINDOWS))
     rate = float(draw.choice(RATES)) * MBIT
@@ -147,7 +162,16 @@ def drawn_by(seed: int, *, unequal: bool = False) -> Drawn:
         latency, loss = float(draw.choice(unequal_teams.LATENCIES)), float(draw.choice(unequal_teams.LOSSES))
         how = replace(how, latency=latency, loss=loss)
     offered = sum(_mean(kind.rates) * _mean(kind.sizes) for own in team for kind in own)
-    return Drawn(seed, Workload(f"drawn-{seed}", team, rate, window), how, offered / rate, unequal)
+    drawn = Drawn(seed, Workload(f"drawn-{seed}", team, rate, window), how, offered / rate, unequal)
+    if not wanted:
+        return drawn
+    found = audiences(_wishes(seed, "audiences"), drawn.workload)
+    return replace(drawn, how=replace(how, transport=UNICAST), audiences=found)
+
+
+def _wishes(seed: int, what: str) -> np.random.Generator:
+    """Return what draws who wants what: so the seeds draw the same teams as without that."""
+    return np.random.default_rng([seed, *what.encode()])
 
 
 def _mean(between: tuple[float, float]) -> float:
@@ -171,14 +195,18 @@ def _kind(draw: np.random.Generator, name: str, limit: float) -> Kind:
     )
 
 
-def reach(seed: int, seconds: float, *, unequal: bool = False) -> Reached | None:
+def reach(seed: int, seconds: float, *, unequal: bool = False, wanted: bool = False) -> Reached | None:
     """Fly what a seed draws, so long with the warm-up [s]; None where all of it fits, or hardly any."""
-    drawn = drawn_by(seed, unequal=unequal)
+    drawn, changes = drawn_by(seed, unequal=unequal, wanted=wanted), tuple[Happening, ...]()
     if not drawn.disputed:
         return None
     how = drawn.how
     mission = draw_from(drawn.workload, seed, seconds, latency=how.latency, everybody=how.broadcasts)
-    both = score(mission, fly(mission, how, seed), how.loss), score(*fly_alone(mission, how, seed), how.loss)
+    if wanted:
+        wishes = drawn.wanted(seconds)
+        mission, changes = replace(mission, interests=wishes.first, receivers=tuple(wishes.first)), wishes.changes
+    alone = score(*fly_alone(mission, how, seed, changes), how.loss)
+    both = score(mission, fly(mission, how, seed, changes), how.loss), alone
     team, central = both
     part, silent = team.utility / central.utility, [max(each.silence.values()) for each in both]
     return Reached(
@@ -208,6 +236,7 @@ def tables(found: Sequence[Reached], seconds: float) -> list[Table]:
     """Return how much was reached, the worst, and where most windows were over the limit."""
     various = any(each.drawn.unequal for each in found)
     note = f"{len(found)} workloads, flights of {seconds:g} s; {unequal_teams.TOLD if various else 'without loss.'}"
+    note += f" Who wants what is drawn, too: {WANTED}" if any(each.drawn.audiences for each in found) else ""
     transports = sorted({each.drawn.how.transport for each in found})
     worst = sorted(found, key=lambda each: each.part)[:SHOWN]
     fullest = sorted([each for each in found if each.over > 0.0], key=lambda each: -each.over)[:SHOWN_OVER]
@@ -252,7 +281,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     seeds, found = range(options.first, options.first + options.seeds), list[Reached]()
     with processes(options.jobs) as pool:
-        for each in pool.map(partial(reach, seconds=options.seconds, unequal=options.unequal), seeds):
+        one = partial(reach, seconds=options.seconds, unequal=options.unequal, wanted=options.audiences)
+        for each in pool.map(one, seeds):
             if each is not None:
                 found.append(each)
                 print(line(each), flush=True)
@@ -274,6 +304,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--first", type=int, default=first_seed(datetime.now(UTC).date()), help="first seed (default: by the day)")
     add("--seeds", type=int, default=240, help="so many of them are drawn (default: 240)")
     add("--unequal", action="store_true", help="teams whose robots have kinds of their own")
+    add("--audiences", action="store_true", help="who wants what is drawn, too; in unicast")
     add("--seconds", type=float, default=30.0, help="of a flight, 5 s of warm-up included (default: 30)")
     add("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: one for each core)")
     add("--at-most", type=float, default=math.inf, help="fail where 10 s hold more than so many times the limit")
@@ -284,7 +315,8 @@ def _parser() -> argparse.ArgumentParser:
 def _command(options: argparse.Namespace) -> str:
     """Return the command that flies the same again."""
     asked = f"--first {options.first} --seeds {options.seeds} --seconds {options.seconds:g}"
-    return f"python -m studies.simulation.traffic.drawn {asked}{' --unequal' if options.unequal else ''}"
+    flags = "".join(f" --{name}" for name in ("unequal", "audiences") if getattr(options, name))
+    return f"python -m studies.simulation.traffic.drawn {asked}{flags}"
 
 
 if __name__ == "__main__":

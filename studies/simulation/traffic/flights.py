@@ -9,14 +9,13 @@ from proxy.core.model.settings import UNICAST, CoreSettings, broadcast
 from studies.simulation.churn import Happening
 from studies.simulation.flights import GROUP
 from studies.simulation.medium import Medium, Way
-from studies.simulation.missions import OPERATOR
 from studies.simulation.team import Team
 from studies.simulation.traffic.missions import ALONE, RATE, Mission, alone
 
 CENTRAL = "announce"
 """The coordination of one robot alone: it plans for all there is, and waits for nobody."""
 SOON = 0.001
-"""How late one that decides for all hears of the receiver [s], whatever its samples take."""
+"""How late one that decides for all hears of receivers [s], whatever its samples take."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +41,9 @@ class How:
         return self.transport != UNICAST
 
 
-def fly(mission: Mission, how: How, seed: int) -> Team:
-    """Let a team fly the mission, and return it with what it sent."""
-    ready = crew(mission, how, seed)
+def fly(mission: Mission, how: How, seed: int, happenings: Sequence[Happening] = ()) -> Team:
+    """Let a team fly the mission while this happens; return it with what it sent."""
+    ready = crew(mission, how, seed, happenings)
     ready.run(mission.frames, mission.problem.t_end)
     return ready
 
@@ -68,12 +67,13 @@ def crew(mission: Mission, how: How, seed: int, happenings: Sequence[Happening] 
     )
 
 
-def fly_alone(mission: Mission, how: How, seed: int) -> tuple[Mission, Team]:
+def fly_alone(mission: Mission, how: How, seed: int, happenings: Sequence[Happening] = ()) -> tuple[Mission, Team]:
     """Let one core decide for all streams, as fast as it is asked; return the mission as it flew and the team."""
     by_one = alone(mission)
-    ready = crew(by_one, replace(how, coordination=CENTRAL, transport=UNICAST, settings=(("allowance", 0.0),)), seed)
+    by_itself = replace(how, coordination=CENTRAL, transport=UNICAST, settings=(("allowance", 0.0),))
+    ready = crew(by_one, by_itself, seed, happenings)
     ready.decision_time = 0.0
-    ready.medium.ways[OPERATOR, ALONE] = Way(SOON)
+    ready.medium.ways |= {(name, ALONE): Way(SOON) for name in mission.receivers}
     ready.run(by_one.frames, by_one.problem.t_end)
     # Who decides for all need tell nobody anything.
     ready.on_air = [air for air in ready.on_air if air.frame is not None]

@@ -36,6 +36,7 @@ class Mission:
 
     `limit` is what may be sent in `window` [s], copies and what robots tell each other included [B]; `carried` is what
     messages may use where nobody need tell anything, as `specs_alone` say. `small` and `alarms` are frames by index.
+    What the `receivers` get is worth something.
     """
 
     problem: Problem
@@ -48,6 +49,7 @@ class Mission:
     window: float
     small: frozenset[int] = frozenset()
     alarms: frozenset[int] = frozenset()
+    receivers: tuple[str, ...] = (OPERATOR,)
 
     @property
     def allowed(self) -> float:
@@ -117,12 +119,12 @@ def draw_from(workload: Workload, seed: int, seconds: float, *, latency: float, 
 
 
 def alone(mission: Mission) -> Mission:
-    """Return the mission as one robot flies it that publishes all streams to an operator."""
+    """Return the mission as one robot flies it that publishes all streams to those to whom they are worth anything."""
     return replace(
         mission,
         frames=tuple(replace(frame, robot=ALONE) for frame in mission.frames),
         specs=mission.specs_alone,
-        interests={ALONE: (), OPERATOR: ("**",)},
+        interests={ALONE: (), **{name: mission.interests[name] for name in mission.receivers}},
     )
 
 

@@ -1,6 +1,6 @@
 """What a flight of real traffic reached, used and told."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
@@ -10,8 +10,8 @@ import numpy as np
 
 from planner import Aggregation, Message
 from planner.utility import Flags, Floats
+from proxy.core.view.subscribers import intersects
 from studies.shown import excess
-from studies.simulation.missions import OPERATOR
 from studies.simulation.records import Delivery, OnAir
 from studies.simulation.traffic.missions import WARM_UP, Mission
 from utility_specs.lifetimes import initial
@@ -35,7 +35,7 @@ class Flight(Protocol):
 class Score:
     """What was reached after the warm-up.
 
-    `utility` is that of the operator [utility·s], `large` that of what is not small. `sent` are bytes of samples,
+    `utility` is that of all receivers [utility·s], `large` that of what is not small. `sent` are bytes of samples,
     `offered` those that were generated, copies included, and `room` what the limit has for samples if nobody tells
     anything. `over` is the part of all samples whose window exceeds the limit when they are sent, `worst` the fullest
     window of all, in limits, as is `largest`, the largest sample; `sustained` is what the fullest 10 s hold, as a part
@@ -151,30 +151,36 @@ def _by_utility(received: Sequence[Message], begins: Floats, ends: Floats) -> li
 
 
 def _reached(mission: Mission, flight: Flight, number: dict[int, int], loss: float) -> tuple[float, float]:
-    """Return what the operator gets of all that was sent, and of what is not small, by the mean over draws of loss.
+    """Return what receivers get of all that was sent, and of what is not small, by the mean over draws of loss.
 
     Whether a sample is lost does not depend on who sends when: else two flights would differ by their luck with alarms.
     """
-    sent = {number[id(d.frame)]: d for d in flight.deliveries if d.receiver == OPERATOR}
-    delay = median([d.t_rcv - d.t_sent for d in sent.values() if d.t_rcv is not None] or [0.0])
-    times = {i: d.t_sent + delay if d.t_rcv is None else d.t_rcv for i, d in sent.items()}
-    draws = np.random.default_rng(DRAWS).random((DRAWS if loss else 1, len(mission.frames)))
-    arrived = [{i: t for i, t in times.items() if fate[i] >= loss} for fate in draws]
-    large = [{i: t for i, t in each.items() if i not in mission.small} for each in arrived]
-    whole, part = (fmean(worth(mission, each) for each in given) for given in (arrived, large))
-    return whole, part
+    whole, large = 0.0, 0.0
+    random = np.random.default_rng(DRAWS)
+    for receiver in mission.receivers:
+        sent = {number[id(d.frame)]: d for d in flight.deliveries if d.receiver == receiver}
+        delay = median([d.t_rcv - d.t_sent for d in sent.values() if d.t_rcv is not None] or [0.0])
+        times = {i: d.t_sent + delay if d.t_rcv is None else d.t_rcv for i, d in sent.items()}
+        draws = random.random((DRAWS if loss else 1, len(mission.frames)))
+        arrived = [{i: t for i, t in times.items() if fate[i] >= loss} for fate in draws]
+        whole += fmean(worth(mission, each) for each in arrived)
+        large += fmean(worth(mission, {i: t for i, t in each.items() if i not in mission.small}) for each in arrived)
+    return whole, large
 
 
-def _wanting(mission: Mission, sender: str) -> int:
-    return sum(bool(keys) and robot != sender for robot, keys in mission.interests.items())
+def _wanting(mission: Mission, key: str, sender: str) -> int:
+    """Return how many others wanted a key when the flight began."""
+    others = (keys for robot, keys in mission.interests.items() if robot != sender)
+    return sum(any(intersects(expression, key) for expression in keys) for keys in others)
 
 
 def _small(
     mission: Mission, flight: Flight, due: set[int], number: dict[int, int]
 ) -> tuple[float, tuple[float, float]]:
     """Return the part of small samples that came to a receiver, and how old they were."""
-    wanted = sum(_wanting(mission, mission.frames[i].robot) for i in due & mission.small)
     counted = due & mission.small
+    published = Counter((mission.frames[i].key, mission.frames[i].robot) for i in counted)
+    wanted = sum(count * _wanting(mission, *of) for of, count in published.items())
     ages = [
         d.t_rcv - d.frame.t_gen for d in flight.deliveries if d.t_rcv is not None and number[id(d.frame)] in counted
     ]

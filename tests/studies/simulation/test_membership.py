@@ -4,7 +4,7 @@ import pytest
 
 from proxy.core.gossip.tuning import TUNING
 from proxy.core.protocol.messages import tag
-from studies.simulation.churn import Crash, Join, Leave, Merge, Partition, joining
+from studies.simulation.churn import Crash, Join, Leave, Merge, Partition, Subscribe, joining
 from studies.simulation.conditions import Conditions
 from studies.simulation.flights import team
 from studies.simulation.medium import Medium
@@ -40,6 +40,14 @@ def test_all_know_each_other_and_what_they_want(fly):
     for robot, core in flying.cores.items():
         assert known(flying, robot) == sorted(set(flying.cores) - {robot})
         assert {peer.robot for peer in core.view.peers.values() if peer.state.subscriptions} <= {"op"}
+
+
+def test_what_applications_subscribe_to_changes_in_flight(fly):
+    """The others hear of it, and send nothing that nobody wants any more; of a robot that is not there nothing is."""
+    flying = fly(4.0, Subscribe(3.0, "op", ("r1/**",)), Subscribe(3.0, "absent", ("**",)))
+    sent = {air.robot for air in flying.on_air if air.frame is not None and air.t >= 3.1}
+    assert sent == {"r1"}
+    assert {d.receiver for d in flying.deliveries if d.t_sent >= 3.1} == {"op"}
 
 
 def test_what_robots_ask_each_other_goes_on_the_air(fly):

@@ -4,7 +4,7 @@ from datetime import date
 
 import pytest
 
-from studies.simulation.traffic import drawn, unequal_teams
+from studies.simulation.traffic import audiences, drawn, unequal_teams
 
 
 def reached(seed, part, over=0.0, sustained=0.9):
@@ -89,6 +89,35 @@ def test_unequal_teams_are_flown_where_they_are_asked_for(tmp_path, capsys):
     assert drawn.drawn_by(first, unequal=True).label in capsys.readouterr().out
     assert f"--first {first} --seeds 1 --seconds 10 --unequal" in page.read_text()
     assert unequal_teams.TOLD in page.read_text()
+
+
+def test_audiences_are_drawn_beside_the_team_of_a_seed():
+    """It is the same one, in unicast; its label tells who wants what."""
+    for seed in range(20):
+        plain = drawn.drawn_by(seed, unequal=True)
+        wanted = drawn.drawn_by(seed, unequal=True, wanted=True)
+        assert wanted == drawn.drawn_by(seed, unequal=True, wanted=True)
+        assert wanted.workload == plain.workload
+        assert not wanted.how.broadcasts
+        assert all(f" {audience.label}" in wanted.label for audience in wanted.audiences.values())
+    assert wanted.wanted(30.0) == wanted.wanted(30.0)
+
+
+def test_teams_fly_with_audiences_of_their_own(tmp_path, capsys):
+    """What all get counts: one decider sends the same copies, and the operator's looks are the same."""
+    page, found = tmp_path / "drawn.md", None
+    for seed in range(200):
+        found = drawn.drawn_by(seed, wanted=True)
+        several = any(each.viewed for each in found.audiences.values()) and len(found.audiences) > 1
+        if found.disputed and several and found.load < 6.0 and len(found.workload.robots) <= 4:
+            break
+    arguments = ["--first", str(found.seed), "--seeds", "1", "--seconds", "15", "--jobs", "1", "--output", str(page)]
+    assert drawn.main([*arguments, "--audiences"]) == 0
+    printed = capsys.readouterr().out
+    assert found.label in printed
+    assert 80.0 < float(printed.partition("%")[0]) < 120.0
+    assert audiences.TOLD in page.read_text()
+    assert "--seconds 15 --audiences" in page.read_text()
 
 
 def test_where_nothing_is_disputed_nothing_is_flown(capsys):

@@ -21,10 +21,10 @@ class Flight:
     deliveries: list[Delivery] = field(default_factory=list)
     on_air: list[OnAir] = field(default_factory=list)
 
-    def send(self, mission, index, *, late=0.0, lost=False, copies=1):
+    def send(self, mission, index, *, late=0.0, lost=False, copies=1, to=OPERATOR):
         frame = mission.frames[index]
         t_sent = frame.t_gen + late
-        self.deliveries.append(Delivery(frame, t_sent, None if lost else t_sent + LATENCY, OPERATOR))
+        self.deliveries.append(Delivery(frame, t_sent, None if lost else t_sent + LATENCY, to))
         self.on_air.append(OnAir(t_sent, frame.robot, copies * frame.size, frame))
 
 
@@ -56,6 +56,28 @@ def test_utility_is_the_planners(mission):
     assert score(mission, flown(mission, every), 0.0).large == pytest.approx(worth(mission, dict.fromkeys(images, 0.0)))
     assert worth(mission, {}) == 0.0
     assert score(mission, Flight(), 0.0).utility == 0.0
+
+
+def test_what_each_receiver_gets_is_worth_something(mission):
+    """As far as it is one of those that count; the one that decides for all sends to these."""
+    shared = replace(mission, interests={**mission.interests, "r0": ("r1/**",)}, receivers=(OPERATOR, "r0"))
+    some = [i for i, frame in enumerate(mission.frames) if frame.robot == "r1" and frame.t_gen >= WARM_UP][:40]
+    to_one, to_both = flown(mission, some), flown(mission, some)
+    for index in some:
+        to_both.send(mission, index, to="r0")
+    assert score(shared, to_both, 0.0).utility == pytest.approx(2.0 * score(mission, to_one, 0.0).utility)
+    assert score(mission, to_both, 0.0).utility == score(mission, to_one, 0.0).utility
+    assert alone(shared).interests == {"all": (), OPERATOR: ("**",), "r0": ("r1/**",)}
+
+
+def test_small_samples_are_awaited_by_those_who_want_their_keys(mission):
+    """Another robot that wants one kind of another one makes no more of the rest."""
+    small = sorted(i for i in mission.small if mission.frames[i].t_gen >= WARM_UP)
+    shared = replace(mission, interests={**mission.interests, "r0": ("r1/odometry",)})
+    odometry = [i for i in small if mission.frames[i].key == "r1/odometry"]
+    every = score(mission, flown(mission, small), 0.0)
+    assert every.arrived == 1.0
+    assert score(shared, flown(mission, small), 0.0).arrived == len(small) / (len(small) + len(odometry))
 
 
 def test_red_that_is_no_longer_there_is_lost():
