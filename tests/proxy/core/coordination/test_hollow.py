@@ -153,6 +153,20 @@ def test_who_claims_what_nobody_gets_takes_an_equal_part(specs):
     assert air.rate(air.now - 4.0) > 0.9 * LIMIT / 3
 
 
+def test_where_words_are_few_all_have_time_to_tell_what_came(specs):
+    """Twelve robots that may say 1.2 kB/s take more than a minute: before that claims are not judged without them."""
+    air = Air(specs)
+    for number in range(9):
+        name, zid = f"d{number}", f"d{number}00000001"
+        air.tell("a", ev.PeerAppeared(0.0, name, zid))
+        air.tell("a", ev.StateHeard(0.0, State(name, zid, "enforce", "", (), number=1), 300))
+    air.run(8.0)
+    air.lie(boasts)
+    air.run(45.0)
+    assert air.rate(30.0) < 0.5 * LIMIT / 12
+    assert not air.found()
+
+
 def test_claims_are_not_judged_while_robots_come_and_go_but_soon_after(specs):
     """Who left does not tell what came of others until then. It hides no lie for good."""
 
