@@ -87,7 +87,9 @@ class CoordinationTuning:
     hollow_windows: float = 6.0
     """... and so many windows..."""
     hollow_patience: float = 5.0
-    """... or so many times as late at most where not all have told..."""
+    """... or so many times as late at most where not all have told, and where robots may tell each other little..."""
+    hollow_words: float = 60.0
+    """... as late as they can have, up to this [s]..."""
     hollow_put_off: float = 2.0
     """... and so many times as late as that where robots come and go meanwhile; they are hollow where..."""
     hollow_sent: float = 0.8
