@@ -1,4 +1,4 @@
-"""Claims of the channel that nothing comes of: whoever lies takes no more than an equal part from others, but briefly.
+"""Claims of the channel that nothing comes of: whoever lies takes no more than an equal part from others after a while.
 
 Whatever the lie, it shows at who is harmed: much of what we generate is not sent, we use less than an equal part,
 others claim something, and the channel is hardly used as far as receivers confirm. Then we keep to an equal part for a
@@ -163,7 +163,7 @@ def _all_told(before: _Account, after: _Account, view: SharedView) -> bool:
 def _all_tell_within(view: SharedView) -> float:
     """Return how long it takes until each robot has told what came of every other, if it tells one at a time [s].
 
-    No liar is believed for longer than a minute by that. Of twelve robots that may tell 1.3 kB/s half had not told of
+    No claim waits for that longer than a minute. Of twelve robots that may tell 1.3 kB/s half had not told of
     the others after 70 s. After 30 four of them took what others sent for hollow, and all sent at once: eleven limits
     in a window.
     """

@@ -25,7 +25,7 @@ class CoordinationTuning:
     of central in parts, and 72 and 85 % where they announce..."""
     affordable_turns: float = 1.2
     """... or this one, where messages are larger than an equal part and would go by turns: five drawn workloads that
-    take 0.8 to 1.1 of it reach 77 to 94 % of central so, not 46 to 83; of 265 others each 0.3 points more..."""
+    take 0.8 to 1.1 of it reach 77 to 94 % of central so, not 46 to 83; 265 others 0.3 points more in the mean..."""
     seldom_period: float = 0.25
     """Samples come seldom that are so far apart at least [windows]..."""
     seldom_size: float = 0.2

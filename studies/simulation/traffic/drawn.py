@@ -30,11 +30,10 @@ from proxy.core.model.settings import UNICAST
 from studies.benchmarks.report import Table, write_page
 from studies.processes import processes
 from studies.simulation.churn import Happening
-from studies.simulation.traffic import unequal_teams
-from studies.simulation.traffic.audiences import TOLD as WANTED
-from studies.simulation.traffic.audiences import Audience, Interests, audiences, interests
+from studies.simulation.traffic import audiences, unequal_teams
+from studies.simulation.traffic.audiences import Audience, Interests
 from studies.simulation.traffic.flights import How, fly, fly_alone
-from studies.simulation.traffic.kinds import Kind
+from studies.simulation.traffic.kinds import Kind, middle
 from studies.simulation.traffic.missions import draw_from
 from studies.simulation.traffic.scores import score
 from studies.simulation.traffic.workloads import MBIT, Workload
@@ -67,26 +66,30 @@ SHOWN_OVER = 10
 COLUMNS = ("workload", "of central", "windows over", "fullest", "10 s", "fill", "central", "silent [s]", "central")
 NOTE = (
     "Sizes in limits; 10 s: what the fullest 10 s hold of what the limit allows in that time; fill: bytes sent of what"
-    " limit or offer allow; silent: the longest time that one of the robots sends nothing, pauses included."
+    " limit or offer allow; silent: the longest time that one of the robots sends nothing, also as it pauses or nobody"
+    " wants anything of it."
 )
 TITLE = "Drawn workloads in simulation"
 
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A workload, and how it is flown. `load` is what is offered, in limits; of `unequal` teams more than there is."""
+    """A workload, and how it is flown. `load` is what is offered, in limits; of `unequal` teams more than there is.
+
+    Where it is drawn who wants what, all copies of what somebody wants.
+    """
 
     seed: int
     workload: Workload
     how: How
     load: float
     unequal: bool = False
-    audiences: Mapping[str, Audience] = field(default_factory=dict)
+    wanted: Mapping[str, Audience] = field(default_factory=dict)
     """Who wants each kind, by its name; none: an operator, and where samples are broadcast everybody, wants all."""
 
-    def wanted(self, seconds: float) -> Interests:
+    def interests(self, seconds: float) -> Interests:
         """Draw who subscribes to what in a flight so long [s]."""
-        return interests(_wishes(self.seed, "views"), self.workload, self.audiences, seconds)
+        return audiences.interests(_random(self.seed, "views"), self.workload, self.wanted, seconds)
 
     @property
     def label(self) -> str:
@@ -111,10 +114,10 @@ class Drawn:
         """Tell its mean rate, its largest typical size, and how many robots of an unequal team have it."""
         workload = self.workload
         size = max(kind.sizes) / (workload.rate * workload.window)
-        told = f"{type(kind.utility).__name__} {_mean(kind.rates):.1f} Hz {size:.2f} limits"
+        told = f"{type(kind.utility).__name__} {middle(kind.rates):.1f} Hz {size:.2f} limits"
         told += f"{' anew' if kind.anew else ''}{' at random' if kind.at_random else ''}"
         told += f" of {sum(kind in own for own in workload.robots)}" if self.unequal else ""
-        return f"{told} {self.audiences[kind.name].label}" if kind.name in self.audiences else told
+        return f"{told} {self.wanted[kind.name].label}" if kind.name in self.wanted else told
 
     @property
     def disputed(self) -> bool:
@@ -143,10 +146,10 @@ def first_seed(day: date) -> int:
     return 1000 * int(f"{day:%Y%m%d}")
 
 
-def drawn_by(seed: int, *, unequal: bool = False, wanted: bool = False) -> Drawn:
+def drawn_by(seed: int, *, unequal: bool = False, shared: bool = False) -> Drawn:
     """Draw a workload; an unequal team has the kinds of the equal one of the same seed, and one more.
 
-    And who wants what, if that is `wanted`: in unicast, as a broadcast costs no more for many.
+    Where streams are `shared` also who wants what: in unicast, as a broadcast costs no more for many.
     """
     draw = np.random.default_rng(seed)
     robots, window = int(draw.choice(ROBOTS)), float(draw.choice(WINDOWS))
@@ -161,22 +164,18 @@ def drawn_by(seed: int, *, unequal: bool = False, wanted: bool = False) -> Drawn
         team = unequal_teams.team(draw, kinds, robots)
         latency, loss = float(draw.choice(unequal_teams.LATENCIES)), float(draw.choice(unequal_teams.LOSSES))
         how = replace(how, latency=latency, loss=loss)
-    offered = sum(_mean(kind.rates) * _mean(kind.sizes) for own in team for kind in own)
+    offered = sum(middle(kind.rates) * middle(kind.sizes) for own in team for kind in own)
     drawn = Drawn(seed, Workload(f"drawn-{seed}", team, rate, window), how, offered / rate, unequal)
-    if not wanted:
+    if not shared:
         return drawn
-    found = audiences(_wishes(seed, "audiences"), drawn.workload)
-    return replace(drawn, how=replace(how, transport=UNICAST), audiences=found)
+    wanted = audiences.audiences(_random(seed, "audiences"), drawn.workload)
+    load = audiences.offered(drawn.workload, wanted) / rate
+    return replace(drawn, how=replace(how, transport=UNICAST), load=load, wanted=wanted)
 
 
-def _wishes(seed: int, what: str) -> np.random.Generator:
-    """Return what draws who wants what: so the seeds draw the same teams as without that."""
+def _random(seed: int, what: str) -> np.random.Generator:
+    """Return random numbers for who wants what: so the seeds draw the same teams as without that."""
     return np.random.default_rng([seed, *what.encode()])
-
-
-def _mean(between: tuple[float, float]) -> float:
-    """Return the geometric mean of two bounds."""
-    return float(np.sqrt(between[0] * between[1]))
 
 
 def _kind(draw: np.random.Generator, name: str, limit: float) -> Kind:
@@ -195,20 +194,19 @@ def _kind(draw: np.random.Generator, name: str, limit: float) -> Kind:
     )
 
 
-def reach(seed: int, seconds: float, *, unequal: bool = False, wanted: bool = False) -> Reached | None:
+def reach(seed: int, seconds: float, *, unequal: bool = False, shared: bool = False) -> Reached | None:
     """Fly what a seed draws, so long with the warm-up [s]; None where all of it fits, or hardly any."""
-    drawn, changes = drawn_by(seed, unequal=unequal, wanted=wanted), tuple[Happening, ...]()
+    drawn, changes = drawn_by(seed, unequal=unequal, shared=shared), tuple[Happening, ...]()
     if not drawn.disputed:
         return None
     how = drawn.how
     mission = draw_from(drawn.workload, seed, seconds, latency=how.latency, everybody=how.broadcasts)
-    if wanted:
-        wishes = drawn.wanted(seconds)
+    if shared:
+        wishes = drawn.interests(seconds)
         mission, changes = replace(mission, interests=wishes.first, receivers=tuple(wishes.first)), wishes.changes
-    alone = score(*fly_alone(mission, how, seed, changes), how.loss)
-    both = score(mission, fly(mission, how, seed, changes), how.loss), alone
-    team, central = both
-    part, silent = team.utility / central.utility, [max(each.silence.values()) for each in both]
+    team = score(mission, fly(mission, how, seed, changes), how.loss)
+    central = score(*fly_alone(mission, how, seed, changes), how.loss)
+    part, silent = team.utility / central.utility, [max(each.silence.values()) for each in (team, central)]
     return Reached(
         drawn, part, team.over, team.worst, team.sustained, (team.fill, central.fill), (silent[0], silent[1])
     )
@@ -236,7 +234,7 @@ def tables(found: Sequence[Reached], seconds: float) -> list[Table]:
     """Return how much was reached, the worst, and where most windows were over the limit."""
     various = any(each.drawn.unequal for each in found)
     note = f"{len(found)} workloads, flights of {seconds:g} s; {unequal_teams.TOLD if various else 'without loss.'}"
-    note += f" Who wants what is drawn, too: {WANTED}" if any(each.drawn.audiences for each in found) else ""
+    note += f" Who wants what is drawn, too: {audiences.TOLD}" if any(each.drawn.wanted for each in found) else ""
     transports = sorted({each.drawn.how.transport for each in found})
     worst = sorted(found, key=lambda each: each.part)[:SHOWN]
     fullest = sorted([each for each in found if each.over > 0.0], key=lambda each: -each.over)[:SHOWN_OVER]
@@ -281,7 +279,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     seeds, found = range(options.first, options.first + options.seeds), list[Reached]()
     with processes(options.jobs) as pool:
-        one = partial(reach, seconds=options.seconds, unequal=options.unequal, wanted=options.audiences)
+        one = partial(reach, seconds=options.seconds, unequal=options.unequal, shared=options.audiences)
         for each in pool.map(one, seeds):
             if each is not None:
                 found.append(each)

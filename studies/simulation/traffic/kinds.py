@@ -81,5 +81,10 @@ def _published(draw: np.random.Generator, times: Floats, seconds: float) -> Flag
     return np.asarray(np.searchsorted(changes, times) % 2 == 0)
 
 
+def middle(between: tuple[float, float]) -> float:
+    """Return the geometric mean of two bounds: what is drawn log-uniformly has it as its median."""
+    return float(np.sqrt(between[0] * between[1]))
+
+
 def _log_uniform(draw: np.random.Generator, between: tuple[float, float]) -> float:
     return float(np.exp(draw.uniform(*np.log(between))))

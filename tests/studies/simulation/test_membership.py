@@ -43,7 +43,7 @@ def test_all_know_each_other_and_what_they_want(fly):
 
 
 def test_what_applications_subscribe_to_changes_in_flight(fly):
-    """The others hear of it, and send nothing that nobody wants any more; of a robot that is not there nothing is."""
+    """The others hear of it, and send nothing that nobody wants any more. Who is not there subscribes to nothing."""
     flying = fly(4.0, Subscribe(3.0, "op", ("r1/**",)), Subscribe(3.0, "absent", ("**",)))
     sent = {air.robot for air in flying.on_air if air.frame is not None and air.t >= 3.1}
     assert sent == {"r1"}

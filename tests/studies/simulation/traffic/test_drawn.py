@@ -95,22 +95,24 @@ def test_audiences_are_drawn_beside_the_team_of_a_seed():
     """It is the same one, in unicast; its label tells who wants what."""
     for seed in range(20):
         plain = drawn.drawn_by(seed, unequal=True)
-        wanted = drawn.drawn_by(seed, unequal=True, wanted=True)
-        assert wanted == drawn.drawn_by(seed, unequal=True, wanted=True)
-        assert wanted.workload == plain.workload
-        assert not wanted.how.broadcasts
-        assert all(f" {audience.label}" in wanted.label for audience in wanted.audiences.values())
-    assert wanted.wanted(30.0) == wanted.wanted(30.0)
+        shared = drawn.drawn_by(seed, unequal=True, shared=True)
+        assert shared == drawn.drawn_by(seed, unequal=True, shared=True)
+        assert shared.workload == plain.workload
+        assert not shared.how.broadcasts
+        assert all(f" {audience.label}" in shared.label for audience in shared.wanted.values())
+        assert shared.interests(30.0) == shared.interests(30.0)
 
 
 def test_teams_fly_with_audiences_of_their_own(tmp_path, capsys):
     """What all get counts: one decider sends the same copies, and the operator's looks are the same."""
     page, found = tmp_path / "drawn.md", None
     for seed in range(200):
-        found = drawn.drawn_by(seed, wanted=True)
-        several = any(each.viewed for each in found.audiences.values()) and len(found.audiences) > 1
+        found = drawn.drawn_by(seed, shared=True)
+        several = any(each.viewed for each in found.wanted.values()) and len(found.wanted) > 1
         if found.disputed and several and found.load < 6.0 and len(found.workload.robots) <= 4:
             break
+    else:
+        pytest.fail("no seed draws a small team with audiences")
     arguments = ["--first", str(found.seed), "--seeds", "1", "--seconds", "15", "--jobs", "1", "--output", str(page)]
     assert drawn.main([*arguments, "--audiences"]) == 0
     printed = capsys.readouterr().out

@@ -71,7 +71,7 @@ def test_what_each_receiver_gets_is_worth_something(mission):
 
 
 def test_small_samples_are_awaited_by_those_who_want_their_keys(mission):
-    """Another robot that wants one kind of another one makes no more of the rest."""
+    """A robot that wants one kind of another one is no further receiver of the rest."""
     small = sorted(i for i in mission.small if mission.frames[i].t_gen >= WARM_UP)
     shared = replace(mission, interests={**mission.interests, "r0": ("r1/odometry",)})
     odometry = [i for i in small if mission.frames[i].key == "r1/odometry"]
