@@ -84,7 +84,7 @@ class Drawn:
     how: How
     load: float
     unequal: bool = False
-    wanted: Mapping[str, Audience] = field(default_factory=dict)
+    wanted: Mapping[str, Audience] = field(default_factory=dict, hash=False)
     """Who wants each kind, by its name; none: an operator, and where samples are broadcast everybody, wants all."""
 
     def interests(self, seconds: float) -> Interests:
