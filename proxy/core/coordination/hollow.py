@@ -163,9 +163,9 @@ def _all_told(before: _Account, after: _Account, view: SharedView) -> bool:
 def _all_tell_within(view: SharedView) -> float:
     """Return how long it takes until each robot has told what came of every other, if it tells one at a time [s].
 
-    No claim waits for that longer than a minute. Of twelve robots that may tell 1.3 kB/s half had not told of
-    the others after 70 s. After 30 four of them took what others sent for hollow, and all sent at once: eleven limits
-    in a window.
+    No claim waits for that longer than a minute. Of twelve robots that may tell 1.3 kB/s half had not told of the
+    others after 70 s. Four of them took what others sent for hollow after 30 s, and sent at once: eleven limits in a
+    window.
     """
     robots = view.members.speaking + 1
     return min(robots * view.words_take(robots), TUNING.hollow_words)

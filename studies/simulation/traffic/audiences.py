@@ -65,9 +65,9 @@ def audiences(draw: np.random.Generator, workload: Workload) -> dict[str, Audien
 
 def offered(workload: Workload, of: Mapping[str, Audience]) -> float:
     """Return what is published of what is wanted, in all copies [B/s]."""
-    robots, total = list(zip(_robots(workload), workload.robots, strict=True)), 0.0
+    total = 0.0
     for kind in workload.kinds:
-        having = [robot for robot, own in robots if kind in own]
+        having = _having(workload, kind)
         copies = sum(of[kind.name].copies(robot, len(having)) for robot in having)
         total += copies * middle(kind.rates) * middle(kind.sizes)
     return total
@@ -75,7 +75,7 @@ def offered(workload: Workload, of: Mapping[str, Audience]) -> float:
 
 def interests(draw: np.random.Generator, workload: Workload, of: Mapping[str, Audience], seconds: float) -> Interests:
     """Draw what the operator looks at in a flight so long [s]; return what all subscribe to."""
-    keys = {kind.name: _keys(workload, kind) for kind in workload.kinds}
+    keys = {kind.name: tuple(f"{robot}/{kind.name}" for robot in _having(workload, kind)) for kind in workload.kinds}
     viewed = [name for name, audience in of.items() if audience.viewed]
     looks_at = {name: str(draw.choice(keys[name])) for name in viewed}
     always = [key for name, own in keys.items() if name not in viewed for key in own]
@@ -115,7 +115,6 @@ def _robots(workload: Workload) -> list[str]:
     return [f"r{place}" for place in range(len(workload.robots))]
 
 
-def _keys(workload: Workload, kind: Kind) -> tuple[str, ...]:
-    """Return the keys of a kind's streams."""
-    having = zip(_robots(workload), workload.robots, strict=True)
-    return tuple(f"{robot}/{kind.name}" for robot, own in having if kind in own)
+def _having(workload: Workload, kind: Kind) -> list[str]:
+    """Return the robots that publish a kind."""
+    return [robot for robot, own in zip(_robots(workload), workload.robots, strict=True) if kind in own]

@@ -196,10 +196,11 @@ def _kind(draw: np.random.Generator, name: str, limit: float) -> Kind:
 
 def reach(seed: int, seconds: float, *, unequal: bool = False, shared: bool = False) -> Reached | None:
     """Fly what a seed draws, so long with the warm-up [s]; None where all of it fits, or hardly any."""
-    drawn, changes = drawn_by(seed, unequal=unequal, shared=shared), tuple[Happening, ...]()
+    drawn = drawn_by(seed, unequal=unequal, shared=shared)
     if not drawn.disputed:
         return None
     how = drawn.how
+    changes: Sequence[Happening] = ()
     mission = draw_from(drawn.workload, seed, seconds, latency=how.latency, everybody=how.broadcasts)
     if shared:
         wishes = drawn.interests(seconds)
