@@ -87,6 +87,8 @@ CASES = (
     Case("200 small ones a second", UNDISPUTED, UNDISPUTED.spec()),
     Case(f"the same of {MANY} streams", STREAMS, UNDISPUTED.spec().replace(f'"*/{SMALL.name}"', '"*/*"')),
 )
+QUICK = CASES[1:2]
+"""What a quick look flies."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +132,8 @@ class Flown:
 
 
 def measure_watching(*, quick: bool) -> list[Table]:
-    """Fly all cases at once, for seven minutes; `quick` takes one, and tells of everything together only."""
-    flown = fly(CASES, (ALL, ALL), TURN / 4) if quick else fly(CASES, (ALL, *WATCHES) * 3)
+    """Fly all cases at once, for seven minutes; `quick` flies one, and tells of everything together only."""
+    flown = fly(QUICK, (ALL, ALL), TURN / 4) if quick else fly(CASES, (ALL, *WATCHES) * 3)
     return tables(flown, json_line())
 
 

@@ -8,16 +8,16 @@ import pytest
 
 from proxy.commands.client import connected
 from studies.benchmarks.watchers import RECORD, SCRAPER, TOP, WHY, Watched, Watchers, scrape
-from studies.benchmarks.watching import ALL, CASES, WATCHES, Flown, Round, more, tables
+from studies.benchmarks.watching import ALL, CASES, QUICK, WATCHES, Flown, Round, more, tables
 from tests.daemons import Running
 from tests.ports import free_port
 from tests.waiting import wait_until
 
 
 def test_what_a_watched_daemon_takes_is_told_beside_one_that_is_not(measured):
-    """In each case: some part more or less of the processor, within some bounds, and a few MB."""
+    """Some part more or less of the processor, within some bounds, and a few MB."""
     time, memory = measured("watching")
-    assert time.columns[1:] == memory.columns[1:] == tuple(case.title for case in CASES)
+    assert time.columns[1:] == memory.columns[1:] == tuple(case.title for case in QUICK)
     (name, *cells), (logs, *_) = time.rows
     assert (name, logs) == (ALL.name, "logs as JSON")
     for cell in cells:

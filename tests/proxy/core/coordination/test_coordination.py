@@ -265,8 +265,8 @@ def flown(workload, robots, contender, seed=0, later=0.0):
     ("contender", "robots", "later"),
     [
         ("announce/unicast", 8, 0.0),
-        ("announce/broadcast", 8, 0.0),
-        ("announce/unicast", 10, 20.0),
+        pytest.param("announce/broadcast", 8, 0.0, marks=pytest.mark.full),
+        pytest.param("announce/unicast", 10, 20.0, marks=pytest.mark.full),
         pytest.param("announce/unicast", 10, 0.0, marks=pytest.mark.full),
         pytest.param("announce/broadcast", 10, 0.0, marks=pytest.mark.full),
     ],

@@ -153,6 +153,7 @@ def test_who_claims_what_nobody_gets_takes_an_equal_part(specs):
     assert air.rate(air.now - 4.0) > 0.9 * LIMIT / 3
 
 
+@pytest.mark.full
 def test_where_words_are_few_all_have_time_to_tell_what_came(tmp_path):
     """Twelve robots that may say 1.2 kB/s take more than a minute: before that claims are not judged without them."""
     (tmp_path / "spec.toml").write_text(SPECS.replace("window = 0.5", "window = 1.0"))
@@ -169,6 +170,7 @@ def test_where_words_are_few_all_have_time_to_tell_what_came(tmp_path):
     assert not air.found()
 
 
+@pytest.mark.full
 def test_claims_are_not_judged_while_robots_come_and_go_but_soon_after(specs):
     """Who left does not tell what came of others until then. It hides no lie for good."""
 
