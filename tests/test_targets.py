@@ -8,7 +8,11 @@ import pytest
 from tests.conftest import SYSTEM, pytest_collection_modifyitems
 
 ROOT = Path(__file__).parent.parent
-CHOICE = {"test": '-m "not system and not full"', "test-full": '-m "full and not system"', "test-system": "tests/system/run"}
+CHOICE = {
+    "test": '-m "not system and not full"',
+    "test-full": '-m "full and not system"',
+    "test-system": "tests/system/run",
+}
 
 
 @pytest.mark.parametrize("target", CHOICE)

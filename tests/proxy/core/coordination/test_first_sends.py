@@ -15,6 +15,7 @@ from proxy.core.view.stream import Generated, Sent
 from proxy.core.view.view import SharedView
 from studies.simulation.traffic.flights import How, crew
 from studies.simulation.traffic.missions import draw
+from tests.seeds import seeds
 
 SIZE, BEGAN = 1_000, 5.0
 
@@ -139,7 +140,7 @@ def begins_together(robots, seed):
     return small, [frame for frame in small if id(frame) not in sent], held.max() / mission.limit
 
 
-@pytest.mark.parametrize("seed", [1, 2, *(pytest.param(seed, marks=pytest.mark.full) for seed in range(3, 7))])
+@pytest.mark.parametrize("seed", seeds(7, few=3))
 @pytest.mark.parametrize(("robots", "fullest"), [(4, 1.1), (8, 1.4)])
 def test_a_team_that_begins_in_one_moment_loses_no_small_sample(robots, fullest, seed):
     """Two seconds after its daemons: nearly two frames fill the limit, and news of eight robots take a quarter."""
