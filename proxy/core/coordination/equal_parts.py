@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 from proxy.core.coordination.overbooking import Overbooking
@@ -9,6 +10,7 @@ from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.messages import tag
+from proxy.core.view.peer import Peer
 from proxy.core.view.view import SharedView
 
 
@@ -62,19 +64,15 @@ class ClockTurns:
         self._place = sum(name < own for name in team.members) / self._robots
         self._largest = (TUNING.turn_parts if team.large else 1.0) / self._robots
         self._small_counts = 1.0 if team.large else TUNING.small_counts
-        streams = list(view.streams.own())
-        ours = max((round(stream.sizes.mean) for stream in streams), default=0)
-        copies = max((view.subscribers.copies(stream) for stream in streams), default=1)
-        planned, peers = view.specs.planned, view.peers.values()
-        told = [max((each.size for key, each in peer.told.items() if planned(key)), default=0) for peer in peers]
-        known = sorted([size for size in (ours, *told) if size])
-        size = (known or [0])[-2 if len(known) > 2 else -1]
-        larger = round(TUNING.turn_size * size)
+        ours, others = _own_messages(view), [_messages(view, peer) for peer in view.peers.values()]
         for k in range(len(self._windows)):
+            part_of = partial(_part, limits[k])
+            known = sorted([max(each, key=part_of) for each in (ours, *others) if each], key=part_of)
+            second = (known or [NOTHING])[-2 if len(known) > 2 else -1]
             # Of a large team some messages are not known yet.
-            part = _part(limits[k], larger if team.large else size, copies)
+            part = part_of(second, TUNING.turn_size if team.large else 1.0)
             self._slots[k] = max(1, math.floor(1.0 / part)) if part > 0.0 else 0
-            self._saved[k] = _part(limits[k], max(larger, round(TUNING.turn_size * ours)), copies)
+            self._saved[k] = max(part_of(each, TUNING.turn_size) for each in (second, *ours))
 
     @property
     def needed(self) -> bool:
@@ -106,9 +104,26 @@ class ClockTurns:
             self._paid[k] = max(self._paid[k], now - saved * equal) + counts * equal
 
 
-def _part(limit: Limit, size: int, copies: int) -> float:
-    """Return what part of a limit a message of this size takes."""
-    return use_of(size, copies, (limit,))[0] / limit.limit
+_Message = tuple[int, int]
+"""The size of a stream's usual message [B], and in how many copies it goes."""
+NOTHING: _Message = 0, 0
+
+
+def _own_messages(view: SharedView) -> list[_Message]:
+    sized = ((stream, round(stream.sizes.mean)) for stream in view.streams.own())
+    return [(size, view.subscribers.copies(stream)) for stream, size in sized if size]
+
+
+def _messages(view: SharedView, peer: Peer) -> list[_Message]:
+    """Return the messages of another robot, as its state tells: all count them alike."""
+    planned = ((key, each.size) for key, each in peer.told.items() if view.specs.planned(key))
+    return [(size, view.subscribers.copies_of(peer.robot, key)) for key, size in planned if size]
+
+
+def _part(limit: Limit, message: _Message, times: float = 1.0) -> float:
+    """Return what part of a limit a message takes that is so many `times` as large."""
+    size, copies = message
+    return use_of(round(times * size), copies, (limit,))[0] / limit.limit
 
 
 class EqualParts:

@@ -150,8 +150,14 @@ class Subscribers:
 
     def copies(self, stream: Stream) -> int:
         """Transmissions of one sample: one in broadcast, else one per robot known to want it, and one when relayed."""
-        if stream.robot in self._broadcasting:
+        return self._copies(stream.robot, self.of(stream))
+
+    def copies_of(self, robot: str, key: str) -> int:
+        """Transmissions of a sample of a stream of which nothing may be known yet but that this robot has it."""
+        return self._copies(robot, self._interest.wanting(key, self._members.tags.get(robot, "")))
+
+    def _copies(self, robot: str, wanting: tuple[str, ...]) -> int:
+        if robot in self._broadcasting:
             return 1
-        wanting = self.of(stream)
         receivers = 0 if wanting == NAMELESS else len(wanting)
         return 1 + receivers if self._settings.relayed else max(1, receivers)
