@@ -174,9 +174,10 @@ class Claims:
         ]
         for peer in first:
             for key, told in peer.told.items():
-                known, use = self._view.streams.known(peer.robot, key), use_of(told.size, 1, limits, own=False)
-                if (known is None or known.last is None) and changes_plans(use, limits):
-                    taken = both(taken, use)
+                known = self._view.streams.known(peer.robot, key)
+                if known is None or known.last is None:
+                    use = use_of(told.size, self._view.subscribers.copies_of(peer.robot, key), limits, own=False)
+                    taken = both(taken, use) if changes_plans(use, limits) else taken
         return taken
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from functools import partial
+from heapq import nlargest
 from typing import NamedTuple
 
 from proxy.core.coordination.overbooking import Overbooking
@@ -10,7 +10,7 @@ from proxy.core.coordination.team import Team
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.model.limits import Limit, use_of
 from proxy.core.protocol.messages import tag
-from proxy.core.view.peer import Peer
+from proxy.core.view.peer import Amount, Peer
 from proxy.core.view.view import SharedView
 
 
@@ -66,13 +66,12 @@ class ClockTurns:
         self._small_counts = 1.0 if team.large else TUNING.small_counts
         ours, others = _own_messages(view), [_messages(view, peer) for peer in view.peers.values()]
         for k in range(len(self._windows)):
-            part_of = partial(_part, limits[k])
-            known = sorted([max(each, key=part_of) for each in (ours, *others) if each], key=part_of)
-            second = (known or [NOTHING])[-2 if len(known) > 2 else -1]
+            parts = [max(_part(limits[k], *message) for message in each) for each in (ours, *others) if each]
+            part = sorted(parts)[-2 if len(parts) > 2 else -1] if parts else 0.0
             # Of a large team some messages are not known yet.
-            part = part_of(second, TUNING.turn_size if team.large else 1.0)
-            self._slots[k] = max(1, math.floor(1.0 / part)) if part > 0.0 else 0
-            self._saved[k] = max(part_of(each, TUNING.turn_size) for each in (second, *ours))
+            slot = part * (TUNING.turn_size if team.large else 1.0)
+            self._slots[k] = max(1, math.floor(1.0 / slot)) if slot > 0.0 else 0
+            self._saved[k] = TUNING.turn_size * max(part, parts[0] if ours else 0.0)
 
     @property
     def needed(self) -> bool:
@@ -104,26 +103,20 @@ class ClockTurns:
             self._paid[k] = max(self._paid[k], now - saved * equal) + counts * equal
 
 
-_Message = tuple[int, int]
-"""The size of a stream's usual message [B], and in how many copies it goes."""
-NOTHING: _Message = 0, 0
-
-
-def _own_messages(view: SharedView) -> list[_Message]:
+def _own_messages(view: SharedView) -> list[Amount]:
     sized = ((stream, round(stream.sizes.mean)) for stream in view.streams.own())
     return [(size, view.subscribers.copies(stream)) for stream, size in sized if size]
 
 
-def _messages(view: SharedView, peer: Peer) -> list[_Message]:
-    """Return the messages of another robot, as its state tells: all count them alike."""
-    planned = ((key, each.size) for key, each in peer.told.items() if view.specs.planned(key))
-    return [(size, view.subscribers.copies_of(peer.robot, key)) for key, size in planned if size]
+def _messages(view: SharedView, peer: Peer) -> list[Amount]:
+    """Return the largest messages of another robot, as its state tells."""
+    planned = ((each.size, key) for key, each in peer.told.items() if each.size and view.specs.planned(key))
+    return [(size, view.subscribers.copies_of(peer.robot, key)) for size, key in nlargest(TUNING.turn_told, planned)]
 
 
-def _part(limit: Limit, message: _Message, times: float = 1.0) -> float:
-    """Return what part of a limit a message takes that is so many `times` as large."""
-    size, copies = message
-    return use_of(round(times * size), copies, (limit,))[0] / limit.limit
+def _part(limit: Limit, size: int, copies: int) -> float:
+    """Return what part of a limit a message of this size takes in so many copies."""
+    return use_of(size, copies, (limit,))[0] / limit.limit
 
 
 class EqualParts:

@@ -150,14 +150,11 @@ class Subscribers:
 
     def copies(self, stream: Stream) -> int:
         """Transmissions of one sample: one in broadcast, else one per robot known to want it, and one when relayed."""
-        return self._copies(stream.robot, self.of(stream))
+        return self.copies_of(stream.robot, stream.key)
 
     def copies_of(self, robot: str, key: str) -> int:
-        """Transmissions of a sample of a stream of which nothing may be known yet but that this robot has it."""
-        return self._copies(robot, self._interest.wanting(key, self._members.tags.get(robot, "")))
-
-    def _copies(self, robot: str, wanting: tuple[str, ...]) -> int:
+        """The same of a robot's stream of which only the key may be known."""
         if robot in self._broadcasting:
             return 1
-        receivers = 0 if wanting == NAMELESS else len(wanting)
+        receivers = len(self._interest.wanting(key, self._members.tags.get(robot, "")))
         return 1 + receivers if self._settings.relayed else max(1, receivers)

@@ -433,3 +433,18 @@ def test_claims_of_streams_that_send_as_often_as_is_best_for_both_are_alike(make
         stream.note_generated(1, Generated(10.0, SIZE, scale))
         claims.append(claim(10.0, stream)[0])
     assert claims[1] == pytest.approx(claims[0], rel=0.1)
+
+
+def test_of_who_has_just_been_met_all_copies_count(make_specs):
+    """A sample that is small in one of them may not be in three."""
+    view = SharedView(CoreSettings("r1", "z1"), make_specs(window=0.25))
+    view.add_peer(9.0, "r2", "z-r2")
+    told = (StreamState(1, "robot/r2/camera", "camera", PERIOD, size=30),)
+    view.heard_state(9.0, State("r2", "z-r2", "enforce", "", told, ("robot/**",)))
+    stream = view.streams.touch(9.0, "r1", "robot/r1/camera")
+    for count in range(10):
+        stream.note_generated(count + 1, Generated(9.0 + count * PERIOD, SIZE, 1.0))
+    assert taken(view, 10.0) == (0.0,)
+    for receiver in ("x1", "x2", "x3"):
+        view.subscribers.set(receiver, ("robot/r2/camera",))
+    assert taken(view, 10.0) == (90.0,)

@@ -93,6 +93,35 @@ def test_all_have_the_turns_of_the_largest_messages_that_states_tell_of(make_tur
     assert apart[0] < 0.7 * apart[1]
 
 
+@pytest.mark.parametrize(("part", "posers", "slots"), [(0.08, "a", 3), (0.15, "a", 3), (0.15, "ac", 2)])
+def test_all_count_as_many_copies_as_each_stream_goes_in(make_specs, part, posers, slots):
+    """Whoever has a small one that three want: else its turns were so long that three frames went in one of them."""
+    specs = make_specs(window=WINDOW)
+    limits, found = limits_of(specs, 0.02, 4), []
+    frame, pose = (round(each * limits[0].limit) for each in (0.3, part))
+    streams = {name: {f"robot/{name}/camera": frame} for name in "abcd"}
+    for name in posers:
+        streams[name][f"robot/pose-{name}/camera"] = pose
+    for own in "abd":
+        view = SharedView(CoreSettings(own, own), specs)
+        for name in set("abcd") - {own}:
+            view.add_peer(0.0, name, name)
+            told = {key: StreamState(1, key, "camera", 0.5, size=size) for key, size in streams[name].items()}
+            view.peers[name].told |= told
+        for key, size in streams[own].items():
+            stream = view.streams.touch(0.0, own, key)
+            for count in range(9):
+                stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
+        for name in "abcd":
+            poses = [f"robot/pose-{other}/camera" for other in posers if other != name]
+            view.subscribers.set(name, (*poses, *(["robot/*/camera"] if name == "d" else [])))
+        team, turns = Team(view, 0.0), ClockTurns(0.0, [WINDOW])
+        team.set_members(view.peers)
+        turns.look(view, limits, team)
+        found.append(turns.turn(100.0, 0, 0.3).slot)
+    assert found == pytest.approx([1.0 / slots] * 3)
+
+
 def test_who_alone_has_large_messages_sends_them_as_its_part_allows(make_turns):
     """Small ones beside them do not use up what it saves."""
     times = sends(make_turns(10, 3, 0.3, told=0.001, tellers=9), 0.3, seconds=200.0, small=0.2 * 0.1 / WINDOW)

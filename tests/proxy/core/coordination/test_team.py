@@ -245,6 +245,18 @@ def test_where_large_samples_come_seldom_a_team_splits(make_team, known, splits)
     )
 
 
+def test_what_comes_seldom_and_goes_to_several_is_as_large_as_all_its_copies(make_team):
+    """Of others as of ours."""
+    for key in ("robot/r1/camera", "robot/p00/camera"):
+        team = make_team(names(9), send=0)
+        size = round(0.15 * team.limits[0].limit)
+        rhythms(team, size=size, others=size)
+        for receivers in (1, 2):
+            team.view.subscribers.set(f"x{receivers}", (key,))
+            team.look()
+            assert team.coordination.team.seldom is (receivers < 2 and key.startswith("robot/r1"))
+
+
 @pytest.mark.parametrize(
     ("robots", "waiting", "limit", "splits"),
     [
@@ -476,6 +488,23 @@ def test_who_hears_nothing_of_the_others_keeps_to_its_part(make_team):
     team.look(announcing=99.0)
     assert team.coordination.team.rivals
     assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.even_robots + 1))
+
+
+@pytest.mark.parametrize(("receivers", "quiet"), [(1, True), (2, False)])
+def test_equal_parts_do_where_they_hold_all_copies_of_a_sample(make_team, receivers, quiet):
+    """Else they are agreed on."""
+    team = make_team(names(TUNING.even_robots), send=TUNING.even_robots + 1)
+    tell(team, names(TUNING.even_robots), 6)
+    stream = team.view.streams.touch(0.0, "r1", "robot/r1/camera")
+    size = round(0.6 * TUNING.even_parts * team.limits[0].limit / (TUNING.even_robots + 1))
+    for count in range(9, 60):
+        stream.note_generated(count + 1, Generated(count - 8.5, size, 1.0))
+    for number in range(receivers):
+        team.view.subscribers.set(f"x{number}", ("robot/r1/camera",))
+    for _ in range(1 + round(TUNING.dear_time / TUNING.interval)):
+        team.look(announcing=99.0)
+    assert team.coordination.team.splits
+    assert team.coordination.team.quiet is quiet
 
 
 @pytest.mark.parametrize("coordination", ["announce", "split"])

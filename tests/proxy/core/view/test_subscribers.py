@@ -36,6 +36,9 @@ def test_receivers_are_the_robots_that_subscribe(view):
     assert view.subscribers.count(others) == 1
     view.subscribers.set_own(("robot/r2/*",))
     assert (view.subscribers.count(others), view.subscribers.copies(others)) == (2, 2)
+    assert view.subscribers.copies_of("r2", CAMERA) == 2, "also if nothing but its key is known"
+    assert view.subscribers.copies_of("r2", "robot/r2/lidar") == 2, "its own wish for it does not count"
+    assert view.subscribers.copies_of("r2", "else/r2") == 1
 
 
 def test_a_robot_of_which_only_its_token_is_known_costs_nothing(view):
