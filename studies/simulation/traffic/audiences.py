@@ -1,8 +1,8 @@
 """Who wants what: an operator alone, all robots besides, or some; and what the operator looks at changes.
 
 On robots hardly any stream goes to one receiver for as long as the team flies. Poses go to all, in as many copies, and
-of the cameras an operator opens one after the other. Nobody had flown that: teams reach 95 % of a central decider in the
-mean, but 45 to 85 where words are scarce, as each stream that is new asks for a part of its own.
+of the cameras an operator opens one after the other. Nobody had flown that: teams reach 95 % of a central decider in
+the mean, but 45 to 85 where words are scarce, as each stream that is new asks for a part of its own.
 """
 
 from collections.abc import Iterator, Mapping
