@@ -161,7 +161,9 @@ class Team:
         share, taken = announcing(sent), _parts_taken(sent, self.sharing, limits)
         # Who hears that announcements cost another one too much finds so, too, where it nearly does.
         dear = share > (TUNING.hysteresis if self._votes else still) * _affordable(taken)
-        self.even = self._equal_parts_do(competing, limits) and dear
+        # Who sends alone keeps nothing free for those who listen: they say nothing in a team of equal parts.
+        several = self.even or len(sending) > 1 or any(peer.told for peer in self._others())
+        self.even = dear and several and self._equal_parts_do(competing, limits)
         # Where each has its part, digests seldom say what a robot sends, and its bid says that it does. Of equal parts
         # nobody says anything: one of four robots heard nothing of the others for 14 s, and took the whole limit.
         silent = self.even or self.gave_up

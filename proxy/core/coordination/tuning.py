@@ -184,7 +184,7 @@ class CoordinationTuning:
     """Slots of a large team are so much larger than its largest messages: 28 cameras that broadcast reach 10 % more. So
     much more than the mean is saved for a message, too, as sizes vary."""
     turn_told: int = 8
-    """So many of the largest sizes that a state tells are looked at: whoever wants 10,000 keys takes 4 s to find."""
+    """So many of the largest sizes that a state tells are looked at: to find who wants 10,000 keys takes 4 s."""
     small_counts: float = 1.4
     """Before a turn what went without one counts so many times, as what others send so varies: of five drawn workloads
     of twelve robots 7.8 % of the windows were over without that, and 3.5 are."""

@@ -490,6 +490,19 @@ def test_who_hears_nothing_of_the_others_keeps_to_its_part(make_team):
     assert team.coordination.part(team.now, 0) == pytest.approx(1.0 / (TUNING.even_robots + 1))
 
 
+@pytest.mark.parametrize("senders", [1, 2])
+def test_who_sends_alone_keeps_no_parts_for_those_who_listen(make_team, senders):
+    """However dear announcing is: in a team of equal parts they said for ten seconds not that they only listen."""
+    team = make_team(names(TUNING.even_robots + 2), send=senders)
+    for number in range(6):
+        stream = team.view.streams.touch(0.0, "r1", f"robot/r1-{number}/camera")
+        for count in range(9):
+            stream.note_generated(count + 1, Generated(count - 8.5, 100, 1.0))
+    for _ in range(1 + round(TUNING.dear_time / TUNING.interval)):
+        team.look(announcing=99.0)
+    assert team.coordination.team.even is team.coordination.team.splits is (senders > 1)
+
+
 @pytest.mark.parametrize(("receivers", "quiet"), [(1, True), (2, False)])
 def test_equal_parts_do_where_they_hold_all_copies_of_a_sample(make_team, receivers, quiet):
     """Else they are agreed on."""
