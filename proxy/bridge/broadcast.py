@@ -159,6 +159,10 @@ class Broadcast:
         session = self._session
         try:
             say(session, f"{ON_AIR}/{key}", *payload, **options)
+        except zenoh.ZError:
+            if session is self._session:
+                raise
+            self._broadcast(say, key, *payload, **options)  # another one took its place meanwhile
         except BaseException as error:
             if not _is_panic(error):
                 raise

@@ -251,6 +251,28 @@ def test_while_a_session_gives_way_to_a_new_one_no_sample_comes_twice(stack, gro
     assert len(told) == len(set(told))
 
 
+def test_a_sample_that_meets_a_session_as_it_gives_way_goes_by_the_new_one(stack, group, monkeypatch):
+    """An application may be about to publish while the old one is closed. Where none took its place that is an error."""
+    (first, _), (second, heard) = opened(stack, group), opened(stack, group)
+    wait_until(lambda: second.describe()["heard"] == first.describe()["heard"] == 1, what="each other")
+    put, met = zenoh.Session.put, []
+
+    def meet(session, *args, **options):
+        met.append(session)
+        if len(met) == 1:
+            first._reopen("nobody was heard")
+        put(session, *args, **options)
+
+    monkeypatch.setattr(zenoh, "Session", Mock(put=meet))
+    first.put("k", "x")
+    wait_until(lambda: first.put("k", "y") or ("k", "y") in heard, what="what is said on the new session")
+    assert met[0].is_closed()
+    assert len(set(map(id, met))) == 2
+    met[-1].close()
+    with pytest.raises(zenoh.ZError, match="session closed"):
+        first.put("k", "z")
+
+
 def test_what_is_no_message_of_zenoh_deafens_a_robot_for_a_moment_only(stack, group):
     """Zenoh hears nothing more after it: the session is opened anew at once, however often, and that is a warning."""
     first, heard = opened(stack, group)
