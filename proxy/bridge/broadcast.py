@@ -86,6 +86,8 @@ class Broadcast:
         """Why this host sends nothing to the group."""
         self._sockets = GroupSockets(group)
         self._session = self._opened()
+        self._joining = threading.Lock()
+        """Held while the session, or who attends, becomes another one: else a new session lacks it, or has it twice."""
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="broadcast", daemon=True)
         self._thread.start()
@@ -115,8 +117,9 @@ class Broadcast:
 
     def attend(self, hear: Hear) -> None:
         """Call `hear` with every digest that another robot broadcasts from now on."""
-        self._attend = hear
-        self._subscribers.append(self._subscribed(self._session, ALL_DIGESTS))
+        with self._joining:
+            self._attend = hear
+            self._subscribers.append(self._subscribed(self._session, ALL_DIGESTS))
 
     def announce(self, key: str, payload: bytes) -> None:
         """Broadcast a digest."""
@@ -249,13 +252,14 @@ class Broadcast:
             log.warning("%s on %s: this host sends nothing: %s", self._group, self._radio, self._refusal)
 
     def _reopen(self, reason: str) -> None:
-        try:
-            session = self._opened()
-        except SessionError as error:
-            log.warning("%s", error)  # tried again as whoever hears nobody does
-            return
-        old, self._session, self._left = self._session, session, str(self._session.zid())
-        self._reopened += 1
+        with self._joining:
+            try:
+                session = self._opened()
+            except SessionError as error:
+                log.warning("%s", error)  # tried again as whoever hears nobody does
+                return
+            old, self._session, self._left = self._session, session, str(self._session.zid())
+            self._reopened += 1
         log.info("%s on %s: joined the group anew", reason, self._group)
         _close(old)
 
@@ -282,7 +286,10 @@ def _heard(session: zenoh.Session) -> int:
 
 
 def _close(session: zenoh.Session) -> None:
-    session.close()  # type: ignore[no-untyped-call] # the stubs leave its type out
+    try:
+        session.close()  # type: ignore[no-untyped-call] # the stubs leave its type out
+    except zenoh.ZError as error:  # an application that hangs with one of its samples; it closes once that is over
+        log.warning("a session on the group closes late: %s", error)
 
 
 DataSession = zenoh.Session | Broadcast

@@ -1,7 +1,10 @@
 """Keeps queries from overtaking what was declared before them."""
 
+import logging
 from collections import deque
 from collections.abc import Callable
+
+log = logging.getLogger(__name__)
 
 
 class Fence:
@@ -29,4 +32,8 @@ class Fence:
     def end(self) -> None:
         """Say that what was seen is mirrored, or cannot be."""
         while self._waiting and self._waiting[0][0] < self._begun:
-            self._waiting.popleft()[1]()
+            _, job = self._waiting.popleft()
+            try:
+                job()
+            except Exception:  # as where a session closes; those behind it go all the same, and so does who mirrors
+                log.exception("what waited for declarations failed")

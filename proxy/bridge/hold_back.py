@@ -8,7 +8,7 @@ sample counts. Nothing is held back for long: a robot that tells nothing, and se
 
 import math
 import threading
-from collections import OrderedDict, deque
+from collections import Counter, OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -66,6 +66,12 @@ class HoldBack:
         self._streams: dict[tuple[str, str], deque[_Held]] = {}
         """By key and origin, the oldest first."""
         self._count = self._bytes = 0
+        self._due: deque[tuple[tuple[str, str], _Held]] = deque()
+        """What waits no more, in order, by its stream..."""
+        self._going = Counter[tuple[str, str]]()
+        """... and how many samples of a stream that are, or are being handed on: what is new of it comes after them."""
+        self._handing = threading.Lock()
+        """Held by who hands on. Beside an application that hangs that takes seconds, so it is never done in `_lock`."""
         self._budget = Bucket(clock.monotonic(), BOUNDS.returns, BOUNDS.returns_at_once)
         self.held = 0
         """Samples that were held back."""
@@ -73,10 +79,10 @@ class HoldBack:
     @property
     def waits(self) -> bool:
         """Whether any sample may have to wait."""
-        return bool(self._returns or self._streams)
+        return bool(self._returns or self._streams or self._going)
 
     def lost(self, tag: str) -> None:
-        """A robot has vanished."""
+        """A robot has vanished. What waits no more for it is handed on at the next check."""
         with self._lock:
             holding = any(self._tag(origin) == tag for _, origin in self._streams)
             self._returns.pop(tag, None)
@@ -86,7 +92,10 @@ class HoldBack:
             self._release()
 
     def found(self, tag: str) -> None:
-        """A robot is there, or back. Called before anything is heard that it sends from now on."""
+        """A robot is there, or back. Called before anything is heard that it sends from now on.
+
+        What waits no more for it is handed on at the next check.
+        """
         now = clock.monotonic()
         with self._lock:
             known = self._returns.pop(tag, None)
@@ -106,33 +115,45 @@ class HoldBack:
                 since = clock.monotonic() if known.back else known.since
                 self._returns[tag] = replace(known, since=since, number=number, keys=keys)
             self._release()
+        self._hand_on()
 
     def takes(self, key: str, stamp: zenoh.Timestamp | None, size: int, hand: Callable[[], None]) -> bool:
-        """Whether a new sample is held back; then `hand` is called when its turn comes."""
-        origin = "" if stamp is None else origin_of(stamp)
+        """Whether a new sample is held back; then `hand` is called when its turn comes.
+
+        One that is not comes after what was held back of its stream: whoever brings it waits for that.
+        """
+        stream = key, "" if stamp is None else origin_of(stamp)
         with self._lock:
-            tag = self._tag(origin)
-            if not self._returns and not self._streams:
-                return False
-            waiting = self._streams.get((key, origin))
-            if waiting is None and not self._waits(key, tag):
-                return False
-            now = clock.monotonic()
-            if self._count >= BOUNDS.held_samples or self._bytes + size > BOUNDS.held_bytes:
-                self._hand_all((key, origin))
-                return False
-            if (known := self._returns.get(tag)) is not None:
-                self._returns[tag] = replace(known, since=min(known.since, now))
-            waiting = self._streams.setdefault((key, origin), deque())
-            # A small sample that found room at once may have overtaken large ones of its stream.
-            place = next((i for i in range(len(waiting), 0, -1) if not waiting[i - 1].follows(stamp)), 0)
-            waiting.insert(place, _Held(now, size, stamp, hand))
-            self._count, self._bytes, self.held = self._count + 1, self._bytes + size, self.held + 1
-            return True
+            held = self._holds(stream, stamp, size, hand)
+            follows = not held and stream in self._going
+        if follows:
+            self._hand_on(wait=True)
+        return held
+
+    def _holds(
+        self, stream: tuple[str, str], stamp: zenoh.Timestamp | None, size: int, hand: Callable[[], None]
+    ) -> bool:
+        """Hold a new sample back if it has to wait, and there is room; else free all of its stream."""
+        key, origin = stream
+        tag = self._tag(origin)
+        if stream not in self._streams and not self._waits(key, tag):
+            return False
+        if self._count >= BOUNDS.held_samples or self._bytes + size > BOUNDS.held_bytes:
+            self._free_all(stream)
+            return False
+        now = clock.monotonic()
+        if (known := self._returns.get(tag)) is not None:
+            self._returns[tag] = replace(known, since=min(known.since, now))
+        waiting = self._streams.setdefault(stream, deque())
+        # A small sample that found room at once may have overtaken large ones of its stream.
+        place = next((i for i in range(len(waiting), 0, -1) if not waiting[i - 1].follows(stamp)), 0)
+        waiting.insert(place, _Held(now, size, stamp, hand))
+        self._count, self._bytes, self.held = self._count + 1, self._bytes + size, self.held + 1
+        return True
 
     def copied(self, key: str, stamp: zenoh.Timestamp | None) -> None:
         """A copy arrives: what is held back of its stream and not younger comes first, that very sample included."""
-        if stamp is None or not self._returns:
+        if stamp is None or not self.waits:
             return
         with self._lock:
             now = clock.monotonic()
@@ -141,11 +162,14 @@ class HoldBack:
                     self._returns[tag] = replace(known, since=now)
             stream = key, origin_of(stamp)
             while stream in self._streams and self._streams[stream][0].comes_before(stamp):
-                self._hand_first(stream)
+                self._free_first(stream)
+            follows = stream in self._going
+        if follows:
+            self._hand_on(wait=True)
 
     def check(self, now: float) -> None:
         """Wait no more for robots that say nothing; let go what is held back for too long."""
-        if not self._returns and not self._streams:
+        if not self.waits:
             return
         with self._lock:
             for tag, known in list(self._returns.items()):
@@ -157,14 +181,16 @@ class HoldBack:
                     self._returns[tag] = replace(known, since=math.inf, keys=frozenset())
             for stream in list(self._streams):
                 while stream in self._streams and now >= self._streams[stream][0].since + TUNING.longest_hold_back:
-                    self._hand_first(stream)
+                    self._free_first(stream)
             self._release()
+        self._hand_on()
 
     def close(self) -> None:
         """Hand on all that is held back."""
         with self._lock:
             self._returns.clear()
             self._release()
+        self._hand_on(wait=True)
 
     def _tag(self, origin: str) -> str:
         tag = self._sender(origin) or self._senders.get(origin, "")
@@ -182,21 +208,40 @@ class HoldBack:
         return any(known.back and known.concerns(key) for known in self._returns.values())
 
     def _release(self) -> None:
-        """Hand on what need not wait any more."""
+        """Free what need not wait any more."""
         for key, origin in list(self._streams):
             if not self._waits(key, self._tag(origin)):
-                self._hand_all((key, origin))
+                self._free_all((key, origin))
 
-    def _hand_all(self, stream: tuple[str, str]) -> None:
+    def _free_all(self, stream: tuple[str, str]) -> None:
         while stream in self._streams:
-            self._hand_first(stream)
+            self._free_first(stream)
 
-    def _hand_first(self, stream: tuple[str, str]) -> None:
+    def _free_first(self, stream: tuple[str, str]) -> None:
         waiting = self._streams[stream]
-        held = waiting.popleft()
-        self._count, self._bytes = self._count - 1, self._bytes - held.size
+        self._due.append((stream, waiting.popleft()))
+        self._going[stream] += 1
+        if not waiting:
+            del self._streams[stream]
+
+    def _hand_on(self, *, wait: bool = False) -> None:
+        """Hand on what is due. Whoever does so already does all of it: we `wait` until it has, or leave it to that."""
+        while self._due or wait:
+            if not self._handing.acquire(blocking=wait):
+                return
+            try:
+                while self._due:
+                    self._hand(*self._due.popleft())
+            finally:
+                self._handing.release()
+            wait = False
+
+    def _hand(self, stream: tuple[str, str], held: _Held) -> None:
         try:
             held.hand()
         finally:
-            if not waiting:
-                del self._streams[stream]
+            with self._lock:
+                self._count, self._bytes = self._count - 1, self._bytes - held.size
+                self._going[stream] -= 1
+                if not self._going[stream]:
+                    del self._going[stream]

@@ -3,6 +3,7 @@
 import logging
 import re
 import socket
+import threading
 from collections.abc import Iterable
 from typing import Literal
 
@@ -23,6 +24,9 @@ class Links:
         self._session = session
         self._side = side
         self._missing = dict.fromkeys(connect, started)
+        self._locators = {endpoint: frozenset({_locator(endpoint)}) for endpoint in self._missing}
+        """What each endpoint may show up as in a link."""
+        self._resolving = False
         self._warned: set[str] = set()
         self._next = started
 
@@ -36,8 +40,11 @@ class Links:
         robots = len({str(link.zid) for link in links})
         complete = self._side == "mesh" and robots >= len(self._missing)
         self._next = now + (TUNING.linked_check if complete else TUNING.missing_check)
+        if linked and not complete and not self._resolving:
+            self._resolving = True
+            threading.Thread(target=self._resolve, name="resolver", daemon=True).start()
         for endpoint, since in self._missing.items():
-            if complete or linked & _resolved(endpoint):
+            if complete or linked & self._locators[endpoint]:
                 if endpoint in self._warned:
                     log.info("%s.connect: %s is linked now", self._side, endpoint)
                 self._warned.discard(endpoint)
@@ -53,15 +60,25 @@ class Links:
         """Return the links there are, for the status."""
         return [{"zid": str(link.zid), "source": link.src, "destination": link.dst} for link in links_of(self._session)]
 
+    def _resolve(self) -> None:
+        """Look names up: where no name server is in reach each takes seconds, and all that is mirrored would wait."""
+        for endpoint in self._missing:
+            self._locators[endpoint] = _resolved(endpoint)
+        self._resolving = False
+
+
+def _locator(endpoint: str) -> str:
+    return re.split("[#?]", endpoint, maxsplit=1)[0]
+
 
 def _resolved(endpoint: str) -> frozenset[str]:
     """Return the locators an endpoint may show up as in a link."""
-    locator = re.split("[#?]", endpoint, maxsplit=1)[0]
+    locator = _locator(endpoint)
     protocol, _, address = locator.partition("/")
     host, _, port = address.rpartition(":")
     try:
         found = socket.getaddrinfo(host.strip("[]"), port, type=socket.SOCK_STREAM)
-    except OSError:
+    except (OSError, UnicodeError):
         return frozenset({locator})
     names = {f"[{where[0]}]" if family == socket.AF_INET6 else where[0] for family, *_, where in found}
     return frozenset({locator, *(f"{protocol}/{name}:{port}" for name in names)})

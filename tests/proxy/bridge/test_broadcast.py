@@ -252,7 +252,7 @@ def test_while_a_session_gives_way_to_a_new_one_no_sample_comes_twice(stack, gro
 
 
 def test_a_sample_that_meets_a_session_as_it_gives_way_goes_by_the_new_one(stack, group, monkeypatch):
-    """An application may be about to publish while the old one is closed. Where none took its place that is an error."""
+    """An application may be about to publish while the old one is closed. Where none took its place it is an error."""
     (first, _), (second, heard) = opened(stack, group), opened(stack, group)
     wait_until(lambda: second.describe()["heard"] == first.describe()["heard"] == 1, what="each other")
     put, met = zenoh.Session.put, []
@@ -271,6 +271,42 @@ def test_a_sample_that_meets_a_session_as_it_gives_way_goes_by_the_new_one(stack
     met[-1].close()
     with pytest.raises(zenoh.ZError, match="session closed"):
         first.put("k", "z")
+
+
+def test_who_attends_while_a_session_is_opened_anew_hears_each_digest_once(stack, group, monkeypatch):
+    """A daemon does as it starts, and a stranger may have closed the first session by then."""
+    made, (other, _) = opened(stack, group)[0], opened(stack, group)
+    told = []
+    attending = threading.Thread(target=made.attend, args=(lambda _, sample: told.append(sample.payload.to_string()),))
+    opens_anew = made._opened
+
+    def meet():
+        session = opens_anew()
+        attending.start()
+        return session
+
+    monkeypatch.setattr(made, "_opened", meet)
+    made._reopen("nobody was heard")
+    attending.join()
+    key, numbers = keys.digest("r2", "a1b2c3d4"), count()
+    wait_until(lambda: other.announce(key, str(next(numbers)).encode()) or len(told) > 4, what="digests")
+    assert len(told) == len(set(told))
+
+
+@pytest.mark.full
+def test_a_session_that_cannot_be_closed_in_time_ends_nothing(stack, group, caplog):
+    """An application may hang with a sample of it for longer than Zenoh waits: 10 s. The new one is heard meanwhile."""
+    (first, _), (second, _) = opened(stack, group), opened(stack, group)
+    taken, go_on, heard = threading.Event(), threading.Event(), []
+    stack.callback(go_on.set)
+    first.listen(lambda *_: taken.set() or go_on.wait())
+    wait_until(lambda: second.put("k", "x") or taken.is_set(), what="a sample in hand")
+    first.listen(lambda _, sample: heard.append(sample.payload.to_string()))
+    reopening = threading.Thread(target=first._reopen, args=("nobody was heard",))
+    reopening.start()
+    wait_until(lambda: second.put("k", "y") or "y" in heard, what="a sample on the new session")
+    wait_until(lambda: "closes late" in caplog.text, what="the warning")
+    reopening.join()
 
 
 def test_what_is_no_message_of_zenoh_deafens_a_robot_for_a_moment_only(stack, group):

@@ -28,3 +28,15 @@ def test_all_who_wait_pass_in_order_and_once():
         fence.end()
     assert passed == [0, 1, 2]
     assert not fence.begin()
+
+
+def test_one_that_fails_keeps_nobody_else(caplog):
+    """As where the session is closed on which it would be said: who mirrors goes on, too."""
+    passed = []
+    fence = Fence(lambda: None)
+    for job in (lambda: 1 / 0, lambda: 1 / 0, lambda: passed.append(1)):
+        fence.then(job)
+    fence.begin()
+    fence.end()
+    assert passed == [1]
+    assert caplog.messages == ["what waited for declarations failed"] * 2

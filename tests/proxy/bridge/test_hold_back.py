@@ -1,5 +1,7 @@
 """What is new waits for the copies of what came before, and for nothing else."""
 
+import threading
+
 import pytest
 
 from proxy.bridge.bounds import BOUNDS
@@ -7,6 +9,7 @@ from proxy.bridge.hold_back import HoldBack
 from proxy.bridge.sample import origin_of
 from proxy.bridge.tuning import TUNING
 from tests.proxy.nodes import closing, plain_session
+from tests.waiting import wait_until
 
 BACK, HERE = "back0000", "here0000"
 
@@ -236,3 +239,54 @@ def test_what_overtook_older_samples_of_its_stream_is_handed_on_after_them(order
     assert order.handed == [0]
     order.queue.note_backlog(BACK, 1, frozenset())
     assert order.handed == [0, 1, 2]
+
+
+def test_an_application_that_hangs_holds_up_only_what_comes_after_its_samples(order):
+    """Not other robots, nor presence, nor who looks after the queue: all of them wait for nothing that it hands on."""
+    order.flap()
+    hangs, goes_on = threading.Event(), threading.Event()
+    first = order.stamper[BACK].new_timestamp()
+
+    def hand():
+        hangs.set()
+        goes_on.wait()
+        order.handed.append("held")
+
+    assert order.queue.takes("alarm/a", first, 1, hand)
+    told = threading.Thread(target=order.queue.note_backlog, args=(BACK, 1, frozenset()))
+    told.start()
+    assert hangs.wait(30.0)
+    after = threading.Thread(target=order.new, args=("new",))
+    copied = threading.Thread(target=order.copy, args=("copy", order.stamper[BACK].new_timestamp()))
+    for one in (after, copied):
+        one.start()
+    order.new("other key", "alarm/b")
+    order.new("other robot", sender=HERE)
+    order.queue.lost(HERE)
+    order.queue.found(HERE)
+    order.queue.check(0.0)
+    assert order.handed == ["other key", "other robot"]
+    goes_on.set()
+    for one in (told, after, copied):
+        one.join(30.0)
+    assert order.handed[:3] == ["other key", "other robot", "held"]
+    assert set(order.handed[3:]) == {"new", "copy"}
+
+
+def test_whoever_leaves_waits_until_all_is_handed_on(order):
+    """Also what another thread hands on: the session to applications is closed after that."""
+    order.flap()
+    hangs, goes_on = threading.Event(), threading.Event()
+    assert order.queue.takes("alarm/a", order.stamper[BACK].new_timestamp(), 1, lambda: hangs.set() or goes_on.wait())
+    order.new("last")
+    told = threading.Thread(target=order.queue.note_backlog, args=(BACK, 1, frozenset()))
+    told.start()
+    assert hangs.wait(30.0)
+    left = threading.Thread(target=lambda: order.queue.close() or order.handed.append("left"))
+    left.start()
+    left.join(0.1)
+    assert left.is_alive()
+    goes_on.set()
+    wait_until(lambda: order.handed == ["last", "left"], what="the end")
+    told.join(30.0)
+    left.join(30.0)

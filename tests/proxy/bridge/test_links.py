@@ -1,5 +1,8 @@
 """One clear line for an endpoint that cannot be reached, and one when it can."""
 
+import socket
+import threading
+from itertools import count
 from types import SimpleNamespace
 
 import pytest
@@ -52,6 +55,33 @@ def test_nothing_is_said_without_endpoints(stack, caplog):
 def test_endpoints_are_found_by_the_locators_of_links(endpoint, locator):
     """Names are resolved, options left out; a name that cannot be resolved stands for itself."""
     assert locator in _resolved(endpoint)
+
+
+def test_a_name_that_takes_long_to_look_up_holds_nothing_up(monkeypatch, caplog):
+    """Where no name server is in reach: the thread that looks after links mirrors what applications declare, too."""
+    caplog.set_level("INFO")
+    looked_up, names = threading.Event(), threading.Event()
+    answer = [(socket.AF_INET, socket.SOCK_STREAM, 6, "", ("10.0.0.7", 7500))]
+
+    def slow(*_, **__):
+        looked_up.set()
+        names.wait()
+        return answer
+
+    monkeypatch.setattr(socket, "getaddrinfo", slow)
+    found = [SimpleNamespace(zid="z1", src="", dst="tcp/10.0.0.9:7500")]
+    links = Links(SimpleNamespace(info=SimpleNamespace(links=lambda: found)), ("tcp/base.example:7500", "tcp/b:1"), 0.0)
+    ticks = count(TUNING.link_grace + 1.0, TUNING.linked_check)
+    links.check(next(ticks))
+    assert looked_up.wait(30.0)
+    links.check(next(ticks))
+    assert links.warnings() == [
+        f"mesh.connect: no link to tcp/{name}; still trying" for name in ("b:1", "base.example:7500")
+    ]
+    found[0].dst = "tcp/10.0.0.7:7500"
+    names.set()
+    wait_until(lambda: links.check(next(ticks)) or len(links.warnings()) == 1, what="the name that is known now")
+    assert "mesh.connect: tcp/base.example:7500 is linked now" in caplog.messages
 
 
 def test_links_are_listed_seldom_while_none_is_missing():
