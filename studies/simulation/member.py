@@ -13,7 +13,10 @@ from studies.simulation.records import Frame
 
 @dataclass(slots=True, eq=False)
 class Member:
-    """`frames` wait for their decision, by number; `state` is what queries are answered with."""
+    """`frames` wait for their decision, by number; `state` is what queries are answered with.
+
+    `matching` says of each key of its whether anybody subscribes to it, as Zenoh told it last.
+    """
 
     robot: str
     zid: str
@@ -22,6 +25,7 @@ class Member:
     core: Core
     frames: dict[int, Frame] = field(default_factory=dict)
     state: State | None = None
+    matching: dict[str, bool] = field(default_factory=dict)
     wake: float = -math.inf
     look: float = -math.inf
     running: bool = True

@@ -118,6 +118,8 @@ class Hollow:
         if not held_back or not (splits or _claimed(before, after, now, view)):
             return
         equal = _equal_part(view)
+        if _least_message(after, view, shared) > TUNING.hollow_message * equal:
+            return
         ours, every = _use(before, after, view, shared, TUNING.hollow_untold * equal)
         if ours < TUNING.hollow_own * equal and every < TUNING.hollow_use:
             self._until, self._before = now + self._rest, None
@@ -127,6 +129,13 @@ class Hollow:
 def _equal_part(view: SharedView) -> float:
     """Return an equal part: however many sessions have a robot's name, they are one."""
     return 1.0 / len({view.settings.robot, *(peer.name for peer in view.peers.values() if not peer.plain)})
+
+
+def _least_message(account: _Account, view: SharedView, limits: tuple[Limit, ...]) -> float:
+    """Return which part of a limit a usual message takes, all copies counted, of the stream with the smallest ones."""
+    own = [stream for stream in view.streams.own() if stream.key in account.streams]
+    uses = [use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits) for stream in own]
+    return min([max(u / c.limit for u, c in zip(use, limits, strict=True)) for use in uses], default=0.0)
 
 
 def _account(now: float, view: SharedView) -> _Account:

@@ -97,7 +97,11 @@ class CoordinationTuning:
     hollow_own: float = 0.7
     """... we used less than this part of an equal part..."""
     hollow_use: float = 0.25
-    """... and all of us together, as far as it is confirmed, less than this part of a limit."""
+    """... and all of us together, as far as it is confirmed, less than this part of a limit..."""
+    hollow_message: float = 3.0
+    """... and not all messages of ours take more than so many equal parts: such a part is safe for none of these. Of
+    twelve robots with samples of 0.2 to 1 limits, which use little as they can say little, eleven took each other's
+    claims for hollow: 24 % of the windows were over the limit, by up to 2.4, and 3 % so, by up to 1.3."""
     hollow_untold: float = 0.5
     """Where somebody has not told what came of a robot, so much of an equal part is believed."""
     certain_part: float = 0.125

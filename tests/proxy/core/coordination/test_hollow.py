@@ -171,6 +171,23 @@ def test_where_words_are_few_all_have_time_to_tell_what_came(tmp_path):
 
 
 @pytest.mark.full
+@pytest.mark.parametrize(("size", "found"), [(SIZE, True), (8_000, False)])
+def test_claims_are_believed_where_no_message_comes_near_an_equal_part(specs, monkeypatch, size, found):
+    """Of twelve robots each would send a third of the limit at once, whenever it likes: no part is safe for that."""
+    monkeypatch.setitem(globals(), "SIZE", size)
+    air = Air(specs)
+    for number in range(9):
+        name, zid = f"d{number}", f"d{number}00000001"
+        air.tell("a", ev.PeerAppeared(0.0, name, zid))
+        air.tell("a", ev.StateHeard(0.0, State(name, zid, "enforce", "", (), number=1), 300))
+    air.run(8.0)
+    air.lie(boasts)
+    while not air.found() and air.now < 90.0:
+        air.run(air.now + 1.0)
+    assert air.found() is found
+
+
+@pytest.mark.full
 def test_claims_are_not_judged_while_robots_come_and_go_but_soon_after(specs):
     """Who left does not tell what came of others until then. It hides no lie for good."""
 
