@@ -11,6 +11,7 @@ import errno
 import io
 import os
 import re
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
@@ -122,6 +123,7 @@ def _command(argv: Sequence[str] | None) -> int:
     wanted = next((word for word in arguments if not word.startswith("-")), None)
     if wanted == "run":
         leave_out()  # before anything is imported that hashes
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)  # until it has files read anew: the first of it would end us
     try:
         whole, subparsers = parser(wanted)
     except CommandError as error:

@@ -43,11 +43,13 @@ from proxy.orders import orders
 from proxy.planning import Planning
 from proxy.profiling.profile import Samples
 from proxy.profiling.profiler import Profiler
+from proxy.recording.errors import RecordingError
 from proxy.recording.recording import Recording
 from proxy.recording.recording_control import RecordingControl
 from proxy.reloading import Loaded, Reloading
 from proxy.runtime import LiveRuntime, Runtime
 from proxy.tuning import TUNING
+from proxy.watching import Signature
 from utility_specs import Specs
 
 log = logging.getLogger(__name__)
@@ -57,7 +59,8 @@ class Daemon:
     """Start it, stop it. `start` raises `ProxyError` when a session cannot be opened.
 
     `read` reads the configuration anew, for `reloading`; `file` is what it is read from, if from any. `opening` has the
-    sessions if they are open already: they are closed with the daemon.
+    sessions if they are open already: they are closed with the daemon. Files were as `known` says before they were
+    read.
     """
 
     def __init__(
@@ -67,10 +70,12 @@ class Daemon:
         file: Path | None = None,
         read: Callable[[], Config] | None = None,
         opening: Opening | None = None,
+        *,
+        known: Signature | None = None,
     ) -> None:
         self._config = config
         self._live = LiveRuntime(Runtime(config.mode, specs))
-        self.reloading = Reloading(Loaded(config, specs), file, read or (lambda: config), self._apply)
+        self.reloading = Reloading(Loaded(config, specs), file, read or (lambda: config), self._apply, known)
         """Puts other files in force while the daemon runs."""
         self.robot = config.robot
         """Our name on the mesh; another one than configured when that was taken."""
@@ -178,7 +183,7 @@ class Daemon:
         self.recording = Recording(config, self._loop, self._live, self._planning.settings, bridge.payloads)
         opening.callback(self.recording.close, TUNING.stop_wait)  # after the loop
         if config.record.on:
-            self.recording.start(payloads=config.record.payloads, whole=True)
+            self._record(payloads=config.record.payloads)
         self._loop.start()
         for close in (self._planning.close, extractor.close, self._loop.close):
             opening.callback(close, TUNING.stop_wait)
@@ -192,6 +197,13 @@ class Daemon:
         status = DaemonStatus(config, *parts, profiler, self.recording, self._planning)
         self._serve_operator(sides, status, profiler, opening)
         self._serve_fleet(sides, presence, opening)
+
+    def _record(self, *, payloads: bool) -> None:
+        """Record from the start on. Raises ConfigError where what that needs is not installed."""
+        try:
+            self.recording.start(payloads=payloads, whole=True)
+        except RecordingError as error:
+            raise ConfigError((f"record.on: {error}",)) from None
 
     def _make_loop(self, sides: Sides) -> Loop:
         settings = core_settings(self._config, self.robot, str(sides.mesh.zid()))

@@ -113,12 +113,16 @@ class Loop:
     def ask(self, job: Callable[[], T], timeout: float) -> T:
         """Do `job` on the loop's thread, from any other one, before all samples that wait; return what it returns.
 
-        Raises TimeoutError when that takes longer than `timeout` [s]; it may be done later then.
+        Raises what the job does, and TimeoutError when it takes longer than `timeout` [s]; it may be done later then.
         """
         answer: Future[T] = Future()
 
         def answered() -> None:
-            answer.set_result(job())
+            try:
+                answer.set_result(job())
+            except (Exception, SystemExit) as error:
+                answer.set_exception(error)
+                raise
 
         self.order(answered)
         return answer.result(timeout)

@@ -40,7 +40,10 @@ def switched(robot: str, switch: Callable[[Mode], None], raw: bytes) -> Outcome:
         mode = Mode.read(raw)
     except ValueError as error:
         return Outcome(robot, obeyed=False, said=(str(error),))
-    switch(mode)
+    try:
+        switch(mode)
+    except TimeoutError:
+        return Outcome(robot, obeyed=False, said=("it is busy, and will do it later",))
     return Outcome(robot, obeyed=True, said=(f"mode {mode.value}",))
 
 

@@ -16,7 +16,7 @@ from proxy.config_changes import Change, changes
 from proxy.config_files import ConfigFiles, watched
 from proxy.errors import ConfigError
 from proxy.pushed import Folder
-from proxy.watching import FileWatch
+from proxy.watching import FileWatch, Signature
 from utility_specs import Specs, SpecsError, digests, load_specs
 from utility_specs.errors import SpecProblem
 from utility_specs.loader import holds_specs
@@ -39,6 +39,11 @@ def read_specs(path: Path) -> Specs:
     return load_specs(path) if holds_specs(path) else Specs.empty()
 
 
+def read_besides(config: Config) -> list[Path]:
+    """Return the files and folders that a configuration names, and that are read with it."""
+    return [config.specs.path, *([Path(config.fleet.token_file)] if config.fleet.token_file else [])]
+
+
 def warn(loaded: Loaded) -> None:
     """Log which limits would hold little beside what daemons tell each other."""
     for limit in loaded.specs.constraints:
@@ -50,7 +55,8 @@ class Reloading:
     """Reads configuration and specs anew when files change or somebody asks.
 
     `read` reads the configuration, which the file `file` may hold, with the folder `conf.d` beside it. `apply` puts in
-    force what changed, and returns when it is, or raises TimeoutError when it will be later. From any thread.
+    force what changed, and returns when it is, or raises TimeoutError when it will be later. Files were as `known` says
+    before they were read: what changed since is put in force. From any thread.
     """
 
     def __init__(
@@ -59,6 +65,7 @@ class Reloading:
         file: Path | None,
         read: Callable[[], Config],
         apply: Callable[[Loaded, Iterable[Change]], None],
+        known: Signature | None = None,
     ) -> None:
         self.loaded = loaded
         """What is in force."""
@@ -66,7 +73,9 @@ class Reloading:
         self._read = read
         self._apply = apply
         self._lock = Lock()
-        self._watch = FileWatch(self.watched)
+        self._tried = loaded.config.specs.path
+        """Where specs were looked for last, also in vain."""
+        self._watch = FileWatch(self.watched, known)
         self._problems: tuple[str, ...] = ()
         self._done = 0
         self._refused = 0
@@ -98,9 +107,9 @@ class Reloading:
         return [f"the files that changed are not in force: {self._problems[0]}{others}"]
 
     def watched(self) -> list[Path]:
-        """Return what is watched. Specs may move: then the configuration changes, too."""
+        """Return what is watched: all that is read, and where specs are looked for, in force or not."""
         own = [] if self._file is None else watched(self._file)
-        return [*own, self.loaded.config.specs.path]
+        return list(dict.fromkeys([*own, *read_besides(self.loaded.config), self._tried]))
 
     def _reload(self, why: str) -> None:
         try:
@@ -116,6 +125,9 @@ class Reloading:
                 self._apply(loaded, changed)
             except TimeoutError:
                 log.warning("the daemon is busy and will do it later")
+            except Exception as error:  # noqa: BLE001 - of what is in force then nobody knows
+                self._refuse(why, (unjudged(error),))
+                return
         before, self.loaded, self._problems = self.loaded, loaded, ()
         self._done += 1  # the status says it before the log does: who reads that may ask at once
         specs = f"specs {loaded.specs.generation} in force" if loaded.specs.types else "no specs, everything passes"
@@ -135,6 +147,7 @@ class Reloading:
     def _next(self) -> tuple[Loaded, tuple[Change, ...]]:
         """Read everything; raises ConfigError or SpecsError, also for what cannot change now."""
         config = self._read()
+        self._tried = config.specs.path
         changed = tuple(changes(self.loaded.config, config))
         refused = [self._at(change.path, change.refusal) for change in changed if not change.live]
         if refused:

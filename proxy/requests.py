@@ -19,14 +19,18 @@ class Requests:
 
     The kernel gives a signal to any thread, also to one of Zenoh's. Python then runs a handler when its main thread
     wakes; but it writes the signal's number to a socket at once, which wakes it.
+
+    Where a request to end is not taken up within so many seconds of `patience`, as a file is being read without end,
+    the kernel ends the process.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, patience: int = 0) -> None:
+        self._patience = patience
         self._heard, self._told = socket.socketpair()
         self._told.setblocking(False)
         signal.set_wakeup_fd(self._told.fileno())
         for number in SIGNALS:
-            signal.signal(number, _nothing_more)
+            signal.signal(number, self._hurry)
 
     def __enter__(self) -> Self:
         return self
@@ -35,6 +39,9 @@ class Requests:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         signal.set_wakeup_fd(-1)
+        if self._patience:
+            self._patience = 0  # a handler may still be due
+            signal.alarm(0)
         self._heard.close()
         self._told.close()
 
@@ -48,7 +55,14 @@ class Requests:
             if number >= 0:
                 waiting.register(number, select.POLLIN)
         ready = {number for number, _ in waiting.poll(timeout * 1e3)}
+        if self._heard.fileno() in ready and self._patience:
+            signal.alarm(0)
         return signal.Signals(self._heard.recv(1)[0]).name if self._heard.fileno() in ready else ""
+
+    def _hurry(self, number: int, _frame: object) -> None:
+        """Its number is written already."""
+        if self._patience and number != signal.SIGHUP:
+            signal.alarm(self._patience)
 
 
 @contextmanager
@@ -61,7 +75,3 @@ def asked_to_end() -> Iterator[Requests]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _nothing_more(_number: int, _frame: object) -> None:
-    """Its number is written already."""

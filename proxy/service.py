@@ -18,6 +18,9 @@ class Service:
 
     def __init__(self, environ: Mapping[str, str]) -> None:
         self._address = environ.get("NOTIFY_SOCKET", "")
+        # Opened once: where there is no descriptor left systemd would not hear that we are alive, and would end us.
+        kind = socket.SOCK_DGRAM | socket.SOCK_CLOEXEC
+        self._speaker = socket.socket(socket.AF_UNIX, kind) if self._address else None
         self.watchdog = _watchdog(environ) if self._address else None
         """We must say at least this often that we are alive [s]; None: we need not."""
 
@@ -37,16 +40,19 @@ class Service:
         """Feed the watchdog."""
         self._tell("WATCHDOG=1")
 
+    def close(self) -> None:
+        """Tell nothing more."""
+        if self._speaker is not None:
+            self._speaker.close()
+            self._speaker = None
+
     def _tell(self, *lines: str) -> None:
-        if not self._address:
+        if self._speaker is None:
             return
         # An abstract address is written with "@" in place of the zero byte.
         address = "\0" + self._address[1:] if self._address.startswith("@") else self._address
         try:
-            with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as speaker:
-                speaker.setblocking(False)
-                speaker.connect(address)
-                speaker.send("\n".join(lines).encode())
+            self._speaker.sendto("\n".join(lines).encode(errors="replace"), socket.MSG_DONTWAIT, address)
         except OSError as error:
             log.warning("systemd does not hear us at %s: %s", self._address, error.strerror)
 

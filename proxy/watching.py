@@ -15,11 +15,14 @@ def signature(paths: Iterable[Path]) -> Signature:
 
 
 class FileWatch:
-    """Compares files with what they were; `paths` says which those are now."""
+    """Compares files with what they were; `paths` says which those are now.
 
-    def __init__(self, paths: Callable[[], Iterable[Path]]) -> None:
+    They were as `known` says when they were read, or else as they are now.
+    """
+
+    def __init__(self, paths: Callable[[], Iterable[Path]], known: Signature | None = None) -> None:
         self._paths = paths
-        self._known = self._last = signature(paths())
+        self._known = self._last = signature(paths()) if known is None else known
 
     def look(self) -> bool:
         """Whether the files changed and then stayed as they are since the last look; says so once.

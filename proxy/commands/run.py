@@ -12,7 +12,7 @@ from pathlib import Path
 from proxy import clock, exit_codes
 from proxy.commands.config_flags import LAYERS, add_config_flags, reader
 from proxy.config import BridgeConfig, Config, MeshConfig
-from proxy.config_files import standard
+from proxy.config_files import standard, watched
 from proxy.descriptors import raise_limit
 from proxy.errors import ConfigError, ProxyError
 from proxy.heap import Spare, give_back, keep_together
@@ -20,10 +20,11 @@ from proxy.log import set_up_logging
 from proxy.lost_threads import LostThreads
 from proxy.notices import Notices
 from proxy.priority import lengthen_slice, raise_priority
-from proxy.reloading import Reloading, read_specs, warn
+from proxy.reloading import Reloading, read_besides, read_specs, warn
 from proxy.requests import Requests
 from proxy.service import Service
 from proxy.version import version
+from proxy.watching import Signature, signature
 from utility_specs import Specs, SpecsError
 
 log = logging.getLogger("sendworthy")
@@ -32,6 +33,8 @@ LOOK = 1.0
 """Time between two looks at files of which the kernel says nothing [s]; each wakes the processor."""
 PAUSE = 0.2
 """A file that changed is read when it then stays as it is for so long [s]."""
+PATIENCE = 4
+"""So long a request to end may wait for files that are being read [s]: less than systemd waits (`TimeoutStopSec`)."""
 FEEDS = 3
 """How often systemd hears of us in the time after which it would give up on us."""
 
@@ -76,15 +79,17 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the daemon; return the exit code."""
-    with Requests() as asked:
+    with Requests(PATIENCE) as asked:
         return run_until(asked, arguments)
 
 
 def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
     """Run the daemon until it is `asked` to stop; return the exit code."""
-    layered = reader(arguments)
+    layered, file = reader(arguments), standard(arguments.config)
     try:
+        known = signature([] if file is None else watched(file))
         config = layered().config
+        known = tuple(sorted({*known, *signature(read_besides(config))}))
         specs = read_specs(config.specs.path)
     except (ConfigError, SpecsError) as error:
         print(error, file=sys.stderr)
@@ -99,7 +104,10 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
         log.debug("not allowed to raise the priority of the daemon: beside busy processes it hears and decides late")
     lost = LostThreads()
     try:
-        closed = serve(config, specs, asked, standard(arguments.config), lambda: layered().config)
+        closed = serve(config, specs, asked, file, lambda: layered().config, known=known)
+    except ConfigError as error:
+        log.error("%s", error)
+        return exit_codes.CONFIG
     except ProxyError as error:
         log.error("%s", error)
         return exit_codes.UNAVAILABLE
@@ -112,8 +120,19 @@ def run_until(asked: Requests, arguments: argparse.Namespace) -> int:
     return code
 
 
-def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read: Callable[[], Config]) -> bool:
-    """Run the daemon until it is `asked` to stop; whether all is closed then. Raises ProxyError at start."""
+def serve(
+    config: Config,
+    specs: Specs,
+    asked: Requests,
+    file: Path | None,
+    read: Callable[[], Config],
+    *,
+    known: Signature | None = None,
+) -> bool:
+    """Run the daemon until it is `asked` to stop; whether all is closed then. Raises ProxyError at start.
+
+    Files were as `known` says before they were read.
+    """
     from proxy.opening import Opening  # noqa: PLC0415 - Zenoh only when the configuration is right
 
     keep_together()
@@ -122,17 +141,17 @@ def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read
     with opening.closing as closing:
         from proxy.daemon import Daemon  # noqa: PLC0415 - while others of our name are listened for
 
-        daemon, service = Daemon(config, specs, file, read, opening), Service(os.environ)
+        daemon, service = Daemon(config, specs, file, read, opening, known=known), Service(os.environ)
         opening.closing = closing.pop_all()
     daemon.start()
-    settle()
-    log.info("%s", started(config, specs, daemon.robot))
-    warn(daemon.reloading.loaded)
-    service.ready(started(config, specs, daemon.robot))
-    if service.watchdog is not None:
-        daemon.watch(service.alive, service.watchdog / FEEDS)
     notices, spare = Notices(), Spare()
     try:
+        settle()
+        log.info("%s", started(config, specs, daemon.robot))
+        warn(daemon.reloading.loaded)
+        service.ready(started(config, specs, daemon.robot))
+        if service.watchdog is not None:
+            daemon.watch(service.alive, service.watchdog / FEEDS)
         soon = look(daemon.reloading, notices)
         while (request := asked.next(PAUSE) if soon else asked.next(LOOK, notices.fileno())) in ("", "SIGHUP"):
             if not request:
@@ -148,6 +167,7 @@ def serve(config: Config, specs: Specs, asked: Requests, file: Path | None, read
         notices.close()
         service.stopping()
         closed = daemon.stop()
+        service.close()
     return closed
 
 

@@ -148,6 +148,13 @@ def test_who_asks_gets_what_the_job_returns(loop):
     assert loop.ask(lambda: threading.current_thread().name, 20.0) == "loop"
 
 
+def test_who_asks_hears_that_the_job_failed(loop):
+    """It is a fault of the daemon, too, which goes on."""
+    with pytest.raises(ZeroDivisionError):
+        loop.ask(lambda: 1 // 0, 20.0)
+    assert loop.ask(lambda: 3, 20.0) == 3
+
+
 def test_who_asks_does_not_wait_for_ever(loop):
     """What takes longer may still be done."""
     began, end = threading.Event(), threading.Event()

@@ -110,3 +110,14 @@ def test_specs_that_cannot_be_in_force_are_taken_back(robot):
     assert not outcome.obeyed
     assert '"r1" is in force, not "r2"' in outcome.said[0]
     assert contents(robot.folder.parent) == {"specs.d/old.toml": GOOD}
+
+
+def test_who_is_busy_says_so(robot):
+    """What it says comes back with what the others say."""
+
+    def busy(_):
+        raise TimeoutError
+
+    obeyed = orders(FleetConfig(mode=True), "r1", busy, robot.reloading, guarded=True)
+    outcome = obeyed["mode"](b"shadow")
+    assert (outcome.obeyed, outcome.said) == (False, ("it is busy, and will do it later",))

@@ -4,8 +4,10 @@ from functools import partial
 
 import pytest
 
+from proxy.config_files import watched
 from proxy.config_loading import load_config
 from proxy.reloading import Loaded, Reloading, read_specs
+from proxy.watching import signature
 from tests.utility_specs.models import Hiding
 from utility_specs import SpecsError
 
@@ -281,3 +283,58 @@ def test_a_bad_file_of_conf_d_changes_nothing_and_is_named(files, text, problem)
     further.unlink()
     assert files.looked()["problems"] == []
     assert files.weight == 2.0
+
+
+@pytest.mark.parametrize("what", ["specs", "configuration", "nothing"])
+def test_what_changed_since_it_was_read_is_put_in_force(files, what):
+    """While sessions are opened, for a third of a second, as where a script starts the service and copies specs."""
+    known = signature([*watched(files.config), files.specs.parent])
+    read = partial(load_config, files.config, {}, {})
+    loaded = Loaded(read(), read_specs(read().specs.path))
+    if what == "specs":
+        files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    elif what == "configuration":
+        files.config.write_text(CONFIG.replace("enforce", "shadow"))
+    files.reloading = Reloading(loaded, files.config, read, files._apply, known)
+    done = files.looked()["done"]
+    assert files.applied == {"specs": [(2.0, [])], "configuration": [(1.0, ["mode"])], "nothing": []}[what]
+    assert done == len(files.applied)
+
+
+def test_where_specs_moved_to_is_watched_though_they_are_refused_there(files, tmp_path):
+    """The refusal names a file there, which an operator mends."""
+    moved = tmp_path / "other.d" / "camera.toml"
+    moved.parent.mkdir()
+    moved.write_text(SPECS.replace("1.0", "'much'"))
+    files.config.write_text(CONFIG + '[specs]\npath = "other.d"\n')
+    assert str(moved) in files.looked()["problems"][0]
+    moved.write_text(SPECS.replace("1.0", "3.0"))
+    assert files.looked()["problems"] == []
+    assert files.weight == 3.0
+
+
+def test_a_token_that_is_mended_is_read(files, tmp_path):
+    """It stands in a file of its own."""
+    token = tmp_path / "token"
+    token.write_text("s" * 40)
+    files.config.write_text(CONFIG + '[fleet]\ntoken_file = "token"\n')
+    read = partial(load_config, files.config, {}, {})
+    files.reloading = Reloading(Loaded(read(), read_specs(read().specs.path)), files.config, read, files._apply)
+    token.write_text("short")
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    assert files.looked()["problems"]
+    token.write_text("t" * 40)
+    assert files.looked()["problems"] == []
+    assert files.weight == 2.0
+
+
+def test_files_that_cannot_be_put_in_force_are_not_said_to_be(files):
+    """A fault of the daemon is no success."""
+
+    def broken(*_):
+        raise RuntimeError("half of it is in force")
+
+    files.reloading._apply = broken
+    files.specs.write_text(SPECS.replace("1.0", "2.0"))
+    assert files.looked()["problems"] == ["cannot be judged: RuntimeError: half of it is in force"]
+    assert files.weight == 1.0

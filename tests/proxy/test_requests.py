@@ -1,6 +1,9 @@
 """Signals, whichever thread the kernel gives them to."""
 
+import os
 import signal
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -60,3 +63,24 @@ def test_what_signals_did_before_they_do_afterwards():
         signal.raise_signal(signal.SIGINT)
         assert asked.next(3600.0) == "SIGINT"
     assert [signal.getsignal(number) for number in SIGNALS] == before
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_request_to_end_that_nobody_takes_up_ends_the_process(number):
+    """As where a file is read that never ends: systemd would have to kill it, and a terminal could not."""
+    reads = "from proxy.requests import Requests; asked = Requests(1); print('reads', flush=True); open(0).read()"
+    with subprocess.Popen([sys.executable, "-c", reads], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"reads\n"
+        process.send_signal(number)
+        assert process.wait(60.0) == -signal.SIGALRM
+
+
+def test_a_request_to_end_that_is_taken_up_ends_nothing_by_itself():
+    """Nor does one to read files anew."""
+    with Requests(3600) as asked:
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            os.kill(os.getpid(), number)
+            assert asked.next(3600.0) == number.name
+            assert signal.alarm(0) == 0
+        os.kill(os.getpid(), signal.SIGTERM)
+    assert signal.alarm(0) == 0

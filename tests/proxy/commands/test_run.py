@@ -166,6 +166,47 @@ def test_a_port_in_use_is_one_clear_line(start):
     assert "port in use" in line
 
 
+WITHOUT_MCAP = """
+import sys
+from proxy.cli import main
+
+sys.modules["proxy.recording.output"] = None
+sys.exit(main())
+"""
+
+
+def test_a_recording_that_needs_what_is_not_installed_is_a_wrong_configuration(start):
+    """Started anew it would fail for ever, which systemd sees by the exit code; the message names the key."""
+    daemon = start("--robot", "r1", "--record.on", "true", program=("-c", WITHOUT_MCAP))
+    assert daemon.process.wait(60) == exit_codes.CONFIG
+    daemon.end()
+    assert 'record.on: recording needs the extra "record": pip install' in daemon.lines[-1]
+
+
+EARLY = """
+import sys
+from pathlib import Path
+from proxy.cli import main
+from proxy.opening import Opening
+
+made, specs = Opening.__init__, Path(sys.argv.pop())
+
+def open_late(self, config):
+    specs.write_text(specs.read_text().replace("1.0", "2.0"))
+    made(self, config)
+
+Opening.__init__ = open_late
+sys.exit(main())
+"""
+
+
+def test_specs_that_change_while_it_starts_are_put_in_force(start, tmp_path):
+    """A script may start the service, and copy them then."""
+    path = specs_file(tmp_path)
+    daemon = start("--robot", "r1", "--specs.path", str(path), str(path), program=("-c", EARLY))
+    daemon.wait_for("files changed: specs ")
+
+
 def test_an_unreachable_peer_does_not_hinder_the_start(start):
     """Robots come and go; the daemon serves its own applications meanwhile."""
     daemon = start("--robot", "r1", "--mesh.connect", '["tcp/127.0.0.1:1"]')
