@@ -183,7 +183,7 @@ class Daemon:
         self.recording = Recording(config, self._loop, self._live, self._planning.settings, bridge.payloads)
         opening.callback(self.recording.close, TUNING.stop_wait)  # after the loop
         if config.record.on:
-            self._record(payloads=config.record.payloads)
+            _record(self.recording, payloads=config.record.payloads)
         self._loop.start()
         for close in (self._planning.close, extractor.close, self._loop.close):
             opening.callback(close, TUNING.stop_wait)
@@ -197,13 +197,6 @@ class Daemon:
         status = DaemonStatus(config, *parts, profiler, self.recording, self._planning)
         self._serve_operator(sides, status, profiler, opening)
         self._serve_fleet(sides, presence, opening)
-
-    def _record(self, *, payloads: bool) -> None:
-        """Record from the start on. Raises ConfigError where what that needs is not installed."""
-        try:
-            self.recording.start(payloads=payloads, whole=True)
-        except RecordingError as error:
-            raise ConfigError((f"record.on: {error}",)) from None
 
     def _make_loop(self, sides: Sides) -> Loop:
         settings = core_settings(self._config, self.robot, str(sides.mesh.zid()))
@@ -324,3 +317,11 @@ def _scouting_group(config: Config) -> str:
     """Where applications of this robot scout."""
     scouting = config.app.zenoh.get("scouting", {})
     return str(scouting.get("multicast", {}).get("address", SCOUTING_GROUP))
+
+
+def _record(recording: Recording, *, payloads: bool) -> None:
+    """Record from the start on. Raises ConfigError where what that needs is not installed."""
+    try:
+        recording.start(payloads=payloads, whole=True)
+    except RecordingError as error:
+        raise ConfigError((f"record.on: {error}",)) from None

@@ -135,13 +135,19 @@ def test_a_search_that_does_not_end_holds_nothing_up(drive):
 
 
 def test_a_planner_that_is_mostly_late_is_told(drive):
-    """As long as that is so; one that is late at times is no reason to."""
+    """Not where one is late at times. More come than fit on a slow machine, too: what fits needs no decision."""
     driven = drive(SLOW, 0.005)
     Slow.may.clear()
-    for count in range(RECENT):
-        driven.publish()
-        wait_until(lambda count=count: driven.decisions()["late"] > count, what="a decision that is late")
-        assert count > 2 or driven.planning.warnings(0.0) == []
+
+    def late():
+        for _ in range(20):
+            driven.publish()
+        return driven.decisions()["late"]
+
+    wait_until(lambda: late() > 0, what="a decision that is late")
+    told = driven.planning.warnings(0.0)
+    assert not told or driven.decisions()["late"] > RECENT / 2
+    wait_until(lambda: late() >= RECENT, what="many of them")
     (warning,) = driven.planning.warnings(0.0)
     assert warning.startswith("most decisions take longer than planner.deadline, 5 ms, so samples")
 
