@@ -14,7 +14,8 @@ def fits(value: object, kind: Any = Status) -> bool:
     What is missing fits, and so does what is not described: daemons of other versions say less, or more.
     """
     if kind in (int, float):
-        return isinstance(value, float) or (isinstance(value, int) and abs(value) <= sys.float_info.max)
+        whole = isinstance(value, int) and abs(value) <= sys.float_info.max
+        return whole or (kind is float and isinstance(value, float))
     fields, origin, inner = _parts(kind)
     if fields is not None:
         return isinstance(value, dict) and all(

@@ -42,7 +42,9 @@ def test_what_is_of_another_kind_anywhere_does_not_fit(status):
             assert not fits(changed), (*path, name)
 
 
-@pytest.mark.parametrize("wrong", [{"robot": 5}, {"uptime": "x"}, {"uptime": 10**400}, {"peers": [1]}, {"counts": []}])
+@pytest.mark.parametrize(
+    "wrong", [{"robot": 5}, {"uptime": "x"}, {"uptime": 10**400}, {"malformed": 0.5}, {"peers": [1]}, {"counts": []}]
+)
 def test_what_is_wrong_in_one_field_does_not_fit(wrong):
     """Whatever else is right."""
     assert not fits(RECORDED[0] | wrong)
