@@ -27,7 +27,6 @@ from proxy.bridge.sides import Sides
 from proxy.config import Config
 from proxy.config_changes import Change
 from proxy.core.core import Core
-from proxy.core.interface.commands import Command
 from proxy.core.interface.events import ModeChanged, SpecsChanged
 from proxy.core.model.mode import Mode
 from proxy.core.view.plausible import is_old
@@ -107,6 +106,11 @@ class Daemon:
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until somebody stops the daemon, at most `timeout` [s]; whether it is stopped."""
         return self._stopped.wait(timeout)
+
+    @property
+    def mode(self) -> Mode:
+        """The mode in force; another one than configured when somebody had us switch."""
+        return self._live.runtime.mode
 
     def swap_specs(self, specs: Specs) -> None:
         """Put another generation of specs in force; returns when it is. Raises TimeoutError."""
@@ -201,10 +205,7 @@ class Daemon:
     def _make_loop(self, sides: Sides) -> Loop:
         settings = core_settings(self._config, self.robot, str(sides.mesh.zid()))
         core = Core(settings, self._live.runtime.specs, clock.monotonic())
-        return Loop(core, self._execute, self._config.clock.error)
-
-    def _execute(self, command: Command) -> None:
-        self._execution(command)
+        return Loop(core, lambda each: self._execution(each), self._config.clock.error)  # noqa: PLW0108 - made later
 
     def _make_planning(self) -> Planning:
         planner = self._config.planner

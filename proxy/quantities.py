@@ -1,5 +1,6 @@
 """Quantities and tables as text for people."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -27,7 +28,7 @@ def columns(rows: Sequence[Row], alignment: str) -> list[str]:
 
 def duration(seconds: float | None) -> str:
     """Write a time [s] with a unit that suits it."""
-    if seconds is None:
+    if seconds is None or not math.isfinite(seconds):
         return UNKNOWN
     if abs(seconds) < 1.0:
         return f"{seconds * 1e3:.3g} ms"

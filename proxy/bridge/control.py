@@ -14,7 +14,8 @@ from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 from proxy.errors import ProxyError
 from proxy.profiling.profile import Profile
-from proxy.profiling.request import END, Request, read
+from proxy.profiling.profiler import Told
+from proxy.profiling.request import END, ProfileError, Request, read
 
 LIVE = b"live"
 """Asks for that part of the status which `sendworthy top` shows."""
@@ -47,8 +48,8 @@ class Control:
         live: Callable[[], dict[str, Any]],
         why: Callable[[bytes], dict[str, Any]],
         switch: Callable[[Mode], None],
-        profile: Callable[[Request, Callable[[Profile], None]], None],
-        end_profile: Callable[[Callable[[Profile], None]], None],
+        profile: Callable[[Request, Told], None],
+        end_profile: Callable[[Told], None],
         specs: Callable[[], dict[str, Any]],
     ) -> None:
         self._executor = executor
@@ -101,13 +102,15 @@ class Control:
         self._reply(key, query, mode.value, zenoh.Encoding.TEXT_PLAIN)
 
     def _answer_profile(self, key: str, query: zenoh.Query) -> None:
-        """Answer when the profile has been taken, with JSON."""
+        """Answer when the profile has been taken, with JSON, or has failed."""
 
         def tell(profile: Profile) -> None:
             _tell(query, key, json.dumps(profile.write()), zenoh.Encoding.APPLICATION_JSON)
 
-        def told(profile: Profile) -> None:
-            self._executor.insist(partial(tell, profile))
+        def told(became: Profile | ProfileError) -> None:
+            self._executor.insist(
+                partial(tell, became) if isinstance(became, Profile) else partial(_refuse, query, str(became))
+            )
 
         payload = bytes(query.payload or b"")
         try:

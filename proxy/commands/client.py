@@ -25,6 +25,7 @@ from proxy.fleet_token import proofs, read_token, token_of
 from proxy.printable import clean
 from proxy.profiling.profile import Profile, read
 from proxy.profiling.request import END, Request
+from proxy.status.shape import fits
 from proxy.why import Question
 
 DAEMON = "tcp/127.0.0.1:7447"
@@ -288,8 +289,10 @@ def ordered(name: str, arguments: argparse.Namespace, order: str, payload: bytes
 def _status(answer: str) -> dict[str, object]:
     """Read a status, of whose streams there may be rows under columns. Raises ValueError, TypeError or KeyError."""
     status: dict[str, Any] = parsed(answer)
-    if isinstance(streams := status.get("streams"), dict):
+    if isinstance(status, dict) and isinstance(streams := status.get("streams"), dict):
         status["streams"] = [dict(zip(streams["columns"], row, strict=True)) for row in streams["rows"]]
+    if not fits(status):
+        raise ValueError("no status")
     return status
 
 

@@ -161,7 +161,8 @@ def serve(
             service.reloading()
             daemon.reloading.reload(request)
             loaded = daemon.reloading.loaded
-            service.ready(started(loaded.config, loaded.specs, daemon.robot))
+            in_force = loaded.config.model_copy(update={"mode": daemon.mode})
+            service.ready(started(in_force, loaded.specs, daemon.robot))
         log.info("stopping on %s", request)
     finally:
         notices.close()

@@ -2,7 +2,7 @@
 
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,14 +16,22 @@ Files = Mapping[str, str]
 """The text of files, by name."""
 
 
+class NoRoomError(PushError):
+    """Specs cannot be written to a temporary folder, as its disk is full or it is not there."""
+
+
 @dataclass(frozen=True, slots=True)
 class InForce:
-    """The specs that a daemon says are in force. `problem` tells why they are not understood here, if so."""
+    """The specs that a daemon says are in force. `problem` tells why they are not understood here, if so.
+
+    `passing`: they may be understood later, as nothing is wrong with them.
+    """
 
     generation: str = ""
     files: Files = field(default_factory=dict)
     specs: Specs = field(default_factory=Specs.empty)
     problem: str = ""
+    passing: bool = False
 
     @classmethod
     def of(cls, generation: str, files: Files) -> "InForce":
@@ -36,6 +44,8 @@ class InForce:
                     return cls(generation, files, load_specs(folder))
                 except SpecsError as error:
                     problem = str(error.problems[0]).replace(f"{folder}/", "")
+        except NoRoomError as error:
+            return cls(generation, files, problem=str(error), passing=True)
         except PushError as error:
             problem = str(error)
         return cls(generation, files, problem=problem)
@@ -56,14 +66,20 @@ def checked(files: Files) -> dict[str, Any]:
 
 @contextmanager
 def _folder(files: Files) -> Iterator[Path]:
-    """Write files to a folder for a while. Raises PushError for names that are none of specs, and text that is none."""
+    """Write files to a folder for a while.
+
+    Raises PushError for names that are none of specs, and text that is none; NoRoomError where there is no such folder.
+    """
     try:
         encoded = {name: text.encode() for name, text in files.items()}
     except UnicodeEncodeError:
         raise PushError("files of specs are UTF-8, which cannot write half a surrogate pair") from None
     pack(encoded)
-    with tempfile.TemporaryDirectory(prefix="sendworthy-page-") as name:
-        folder = Path(name)
-        for file, content in encoded.items():
-            (folder / file).write_bytes(content)
+    with ExitStack() as closing:
+        try:
+            folder = Path(closing.enter_context(tempfile.TemporaryDirectory(prefix="sendworthy-page-")))
+            for file, content in encoded.items():
+                (folder / file).write_bytes(content)
+        except OSError as error:
+            raise NoRoomError(f"specs cannot be looked at here: {error.strerror}") from None
         yield folder

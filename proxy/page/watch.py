@@ -62,7 +62,7 @@ class Watch:
             while not self._stopped.is_set():
                 self.robot = self._wanted or client.only_robot()
                 generation, files = client.specs(self.robot)
-                if (generation, files) != (self.in_force.generation, self.in_force.files):
+                if self.in_force.passing or (generation, files) != (self.in_force.generation, self.in_force.files):
                     self.in_force = InForce.of(generation, files)
                 keys = self._keys or tuple(dict.fromkeys(k for each in self.in_force.specs.types for k in each.keys))
                 if keys != heard:

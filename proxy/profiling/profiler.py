@@ -1,5 +1,6 @@
 """Takes profiles of this daemon, one at a time. Where none is asked for there is no thread and nothing to pay."""
 
+import logging
 import math
 import threading
 from collections.abc import Callable
@@ -13,7 +14,10 @@ from proxy.profiling.request import ProfileError, Request
 if TYPE_CHECKING:
     from proxy.profiling.sampler import Sampler
 
-Told = Callable[[Profile], None]
+Told = Callable[[Profile | ProfileError], None]
+"""Gets a profile, or why there is none."""
+
+log = logging.getLogger(__name__)
 
 
 class Profiler:
@@ -35,7 +39,7 @@ class Profiler:
         self._samples = samples
         self._ends = -math.inf
         self._told: list[Told] = []
-        """Who gets the profile that is being taken."""
+        """Who gets the profile that is being taken, or why it failed."""
         self._sampler: Sampler | None = None
         self._thread: threading.Thread | None = None
         self.last: Profile | None = None
@@ -56,8 +60,12 @@ class Profiler:
         def begin() -> None:
             work = partial(self._run, sampler, self._samples())
             thread = threading.Thread(target=work, name="profiler", daemon=True)
-            thread.start()
-            self._thread = thread
+            try:
+                thread.start()
+            except RuntimeError as error:  # the kernel allows no more threads
+                self._tell(ProfileError(f"the profile failed: {error}"))
+            else:
+                self._thread = thread
 
         self._counted(begin)
 
@@ -77,8 +85,13 @@ class Profiler:
             thread.join(timeout)
 
     def _run(self, sampler: "Sampler", before: Samples) -> None:
-        spent = sampler.run()
-        found = branches(spent, sampler.whole)
+        try:
+            found = branches(sampler.run(), sampler.whole)
+        except Exception as error:
+            log.exception("the profile failed")
+            failed = ProfileError(f"the profile failed: {error}")
+            self._post(lambda: self._tell(failed))
+            return
         self._post(lambda: self._counted(lambda: self._end(sampler, found, before)))
 
     def _counted(self, then: Callable[[], None]) -> None:
@@ -95,6 +108,10 @@ class Profiler:
             samples=self._samples().since(before),
             branches=found,
         )
+        self._tell(self.last)
+
+    def _tell(self, became: Profile | ProfileError) -> None:
+        """Tell all who wait what became of the profile; the next one can be taken."""
         self._sampler = self._thread = None
         for told in self._told:
-            told(self.last)
+            told(became)

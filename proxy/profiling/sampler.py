@@ -64,6 +64,12 @@ class Sampler:
     def run(self) -> list[Spent]:
         """Sample until it is time, or until stopped."""
         self._eyes = eyes = Eyes(self._layout, 1.0 / self._rate)
+        try:
+            return self._sample(eyes)
+        finally:
+            eyes.stop()
+
+    def _sample(self, eyes: Eyes) -> list[Spent]:
         began, whole, own = clock.monotonic(), time.process_time(), time.thread_time()
         self._watch(fresh=False)
         end = began + self._seconds

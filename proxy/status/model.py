@@ -6,7 +6,6 @@ parts of the daemon say is checked against it by tests.
 
 from typing import Any, Literal
 
-from proxy.core.status import STATUS_VERSION
 from proxy.status.daemon import Daemon
 from proxy.status.fields import COUNT, SECONDS, Part, field
 from proxy.status.network import Digests, Limit, OnAir, Peer
@@ -51,6 +50,8 @@ class Status(Part):
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON Schema of the status. A field that a later Sendworthy adds is no reason to refuse it."""
+    from proxy.core.status import STATUS_VERSION  # noqa: PLC0415 - the core, which whoever asks a daemon does without
+
     schema = Status.model_json_schema()
     for table in (schema, *schema["$defs"].values()):
         table.pop("additionalProperties", None)

@@ -155,7 +155,7 @@ def _decisions(decisions: Status, width: int | None) -> list[str]:
         return []
     each = f", {decisions.get('iterations', 0) / made:.0f} iterations each" if made else ""
     rows = [("decided", f"{made} {'time' if made == 1 else 'times'}{each}"), *without]
-    if decisions.get("seconds"):
+    if made and decisions.get("seconds"):
         longest = duration(decisions.get("longest"))
         rows.append(("time", f"{duration(decisions['seconds'] / made)} each, the longest {longest}"))
     if late := decisions.get("late"):

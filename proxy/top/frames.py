@@ -165,10 +165,11 @@ def _limits(now: Status, width: int) -> Iterator[Line]:
         used, whole, unit = limit.get("used_by_all"), limit.get("limit"), limit.get("unit", "B")
         part = used / whole if used is not None and whole else 0.0
         bar = BAR if width > NARROW else SHORT_BAR
+        full = round(bar * min(1.0, max(0.0, part)))  # in this order nothing, where the part is no number
         ours = share(limit.get("used"), whole)
         text = (
             f"{shortened(clean(str(limit.get('constraint', UNKNOWN))), 16)}  "
-            f"[{('#' * min(bar, round(part * bar))).ljust(bar)}] {share(used, whole)} of "
+            f"[{('#' * full).ljust(bar)}] {share(used, whole)} of "
             f"{amount(whole, unit)} in {limit.get('window', 0.0):g} s, ours {ours}; "
             f"1 kB costs {number(limit.get('price_per_kb'))}"
         )

@@ -17,6 +17,8 @@ from proxy.quantities import amount, duration, rate, schedule, share
         (7260.0, "2 h 1 min"),
         (3599.9997, "1 h 0 min"),
         (-61.0, "-1 min 1 s"),
+        (float("nan"), "-"),
+        (float("-inf"), "-"),
     ],
 )
 def test_durations_have_units_that_suit(seconds, text):

@@ -14,6 +14,9 @@ from proxy.why import read as read_question
 from tests.proxy.nodes import answers, closing, free_endpoint, plain_session
 from tests.proxy.profiling.profiles import profile
 
+FAILING = 7.0
+"""A profile that takes so long fails [s]."""
+
 
 @pytest.fixture
 def switched():
@@ -36,7 +39,7 @@ def operator(stack, switched, asked):
         if asked:
             raise ProfileError("a profile is being taken; it ends in 9.0 s")
         asked.append(request)
-        told(profile())
+        told(ProfileError("the profile failed") if request.seconds == FAILING else profile())
 
     stack.callback(executor.close, 1.0)
     control = Control(
@@ -110,6 +113,12 @@ def test_a_profile_is_told_when_it_has_been_taken(operator, asked):
     assert asked == [Request(2.0, 50.0)]
     (answer,) = answers(operator, keys.profile("r1"))
     assert answer == "error: a profile is being taken; it ends in 9.0 s"
+
+
+def test_a_profile_that_fails_is_told_in_words(operator):
+    """Whoever asked for it does not wait for ever."""
+    (answer,) = answers(operator, keys.profile("r1"), payload=Request(FAILING).write())
+    assert answer == "error: the profile failed"
 
 
 def test_a_profile_that_is_ended_is_told_to_who_ends_it(operator, asked):

@@ -67,6 +67,13 @@ STRANGE = (
     '{"robot":"r1","streams":{"columns":["key","type"],"rows":[["a"]]}}',
     "[" * 100_000,
     b"\xff",
+    "[]",
+    "5",
+    '{"uptime":"x"}',
+    '{"robot":"r1","uptime":"x"}',
+    '{"robot":"r1","streams":[5]}',
+    '{"robot":"r1","peers":{"a":1}}',
+    '{"robot":"r1","streams":{"columns":["key","generated"],"rows":[["a","many"]]}}',
 )
 
 

@@ -325,6 +325,10 @@ def test_systemd_hears_what_it_waits_for(start, tmp_path):
         assert "MONOTONIC_USEC=" in told("RELOADING=1")
         ready = told("READY=1")
         assert daemon.status()["specs"] in ready
+        assert main(["mode", "shadow", "--connect", daemon.endpoint]) == exit_codes.OK
+        daemon.process.send_signal(signal.SIGHUP)
+        assert told("RELOADING=1")
+        assert "robot r1, mode shadow" in told("READY=1"), "the mode in force, which is not that of the file"
         daemon.process.send_signal(signal.SIGTERM)
         assert told("STOPPING=1")
 

@@ -16,6 +16,7 @@ import pytest
 import proxy.top
 from proxy import exit_codes
 from proxy.cli import main
+from proxy.top.asking import Asking
 from tests.daemons import ROOT, specs_file
 from tests.ports import free_port
 from tests.waiting import wait_until
@@ -201,6 +202,42 @@ def test_without_a_daemon_the_message_says_so(capsys):
     where = f"tcp/127.0.0.1:{free_port()}"
     assert main(["top", "--once", "--connect", where]) == exit_codes.FAILED
     assert f"no daemon answers at {where}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("told", ["[]", '{"robot":"r1","uptime":"x"}'])
+def test_what_is_no_status_is_shown_as_what_is_no_daemon(stand_in, capsys, told):
+    """One picture, and a failure; nobody waits for ever."""
+
+    def answer(query):
+        query.reply("@sendworthy/r1/status", told)
+        query.drop()
+
+    where = stand_in({"@sendworthy/*/status": answer})
+    assert main(["top", "--once", "--interval", "0.1", "--connect", where]) == exit_codes.FAILED
+    assert f"what answers at {where} is no daemon of this version" in capsys.readouterr().out
+    assert main(["status", "--connect", where]) == exit_codes.FAILED
+    assert f"what answers at {where} is no daemon of this version" in capsys.readouterr().err
+
+
+def test_a_stranger_ends_no_asking(stand_in):
+    """Behind what is no status there may come one."""
+    told = ['{"robot":"r1","zid":"a","uptime":1.0}']
+
+    def answer(query):
+        query.reply("@sendworthy/r1/status", told[0])
+        query.drop()
+
+    asking = Asking([stand_in({"@sendworthy/*/status": answer})], 0.05, lambda: None)
+    asking.start()
+    try:
+        wait_until(lambda: asking.scene.changes, what="a status")
+        told[0] = '{"robot":"r1","zid":"a","uptime":"x"}'
+        wait_until(lambda: "is no daemon of this version" in asking.scene.away, what="a stranger")
+        told[0] = '{"robot":"r1","zid":"a","uptime":2.0}'
+        wait_until(lambda: not asking.scene.away, what="a status again")
+        assert asking.scene.changes["a"].now["uptime"] == 2.0
+    finally:
+        asking.stop()
 
 
 def test_without_rich_it_says_what_to_install(monkeypatch, capsys):

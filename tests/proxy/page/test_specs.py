@@ -1,5 +1,10 @@
 """Specs as the page has them."""
 
+import tempfile
+
+import pytest
+
+from proxy.errors import PushError
 from proxy.page.specs import InForce, checked
 from tests.pages import SPECS
 
@@ -24,3 +29,16 @@ def test_specs_that_are_not_understood_here_are_said_to_be_so():
     assert "a.toml:3" in found.problem
     assert InForce.of("g", {"../a": ""}).problem
     assert InForce.of("g", {}) == InForce("g")
+
+
+def test_where_no_file_can_be_written_that_is_said_and_no_fault_of_the_specs(monkeypatch, tmp_path):
+    """As where /tmp is full: they may be understood later."""
+    files = {"a.toml": SPECS.format(limit="1 Mbit/s")}
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "missing"))
+    why = "specs cannot be looked at here: No such file or directory"
+    with pytest.raises(PushError) as refused:
+        checked(files)
+    assert str(refused.value) == why
+    assert InForce.of("g", files) == InForce("g", files, problem=why, passing=True)
+    monkeypatch.undo()
+    assert InForce.of("g", files).specs.types

@@ -1,5 +1,6 @@
 """The page's own place on the mesh: what anybody may answer there."""
 
+import tempfile
 from contextlib import ExitStack
 
 import pytest
@@ -7,7 +8,7 @@ import zenoh
 
 from proxy.page import demo
 from proxy.page.watch import Watch
-from tests.daemons import Running
+from tests.daemons import Running, specs_file
 from tests.pages import World
 from tests.proxy.nodes import plain_session
 from tests.waiting import wait_until
@@ -50,3 +51,21 @@ def test_what_is_no_demo_offers_nothing_and_ends_nothing(daemon, answer):
             world.close()
     finally:
         watch.stop()
+
+
+def test_specs_that_cannot_be_read_for_a_while_end_nothing(tmp_path, monkeypatch):
+    """As where /tmp is full: the page says so and still looks, and reads them as soon as it can."""
+    with ExitStack() as closing:
+        daemon = Running("--robot", "ground", "--specs.path", str(specs_file(tmp_path)))
+        closing.callback(daemon.end)
+        daemon.wait_for("sendworthy ")
+        monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "missing"))
+        watch = Watch(daemon.endpoint, None, (), lambda _: None)
+        watch.start()
+        closing.callback(watch.stop)
+        wait_until(lambda: watch.in_force.problem, what="the problem")
+        assert watch.in_force.problem == "specs cannot be looked at here: No such file or directory"
+        assert not watch.in_force.specs.types
+        (tmp_path / "missing").mkdir()
+        wait_until(lambda: watch.in_force.specs.types, what="the specs")
+        assert not watch.in_force.problem

@@ -1,10 +1,12 @@
 """One profile at a time, with what crossed meanwhile."""
 
 import threading
+from pathlib import Path
 from queue import SimpleQueue
 
 import pytest
 
+from proxy.profiling import threads
 from proxy.profiling.profile import Samples
 from proxy.profiling.profiler import Profiler
 from proxy.profiling.request import ProfileError, Request
@@ -81,6 +83,22 @@ def test_who_ends_it_gets_what_it_saw_and_so_does_who_asked_for_it():
     asked, ended = loop.told
     assert asked is ended
     assert asked.seconds < 30.0
+
+
+def test_one_that_fails_is_told_to_who_asked_and_the_next_one_can_be_taken(monkeypatch):
+    """As where there is no descriptor left with which to look for threads."""
+    loop = Loop()
+    monkeypatch.setattr(threads, "_TASKS", Path("/proc/self/missing"))
+    loop.start(Request(60.0))
+    loop.turn().join()
+    (failed,) = loop.told
+    assert isinstance(failed, ProfileError)
+    assert str(failed) == "the profile failed: [Errno 2] No such file or directory: '/proc/self/missing'"
+    monkeypatch.undo()
+    loop.told.clear()
+    loop.start(Request(0.1))
+    loop.turn().join()
+    assert loop.told == [loop.profiler.last]
 
 
 def test_closing_ends_it():

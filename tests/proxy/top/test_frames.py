@@ -197,3 +197,12 @@ def test_in_shadow_it_is_said_that_all_samples_go():
     """What is not sent of a stream is what enforce would not send."""
     assert SHADOWED in lines(scene=Scene({R1["zid"]: Change(R1 | {"mode": "shadow"})}))
     assert SHADOWED not in lines()
+
+
+@pytest.mark.parametrize("used", [float("nan"), float("inf"), -1.0, 1e300])
+def test_a_limit_that_is_no_sense_is_drawn_all_the_same(used):
+    """Any application may answer as a daemon does."""
+    status = copy.deepcopy(R1)
+    status["budget"][0]["used_by_all"] = used
+    lines = frame(Scene({"a": Change(status)}, ""), View(), 120)
+    assert any(f"{status['budget'][0]['constraint']}  [" in line.text for line in lines)
