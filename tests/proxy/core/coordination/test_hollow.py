@@ -67,6 +67,13 @@ class Air:
         for command in self.cores[name].handle(event):
             self._do(name, command)
 
+    def join(self, robots):
+        """So many robots are there besides, which have no streams, and say no more than that."""
+        for number in range(robots):
+            name, zid = f"d{number}", f"d{number}00000001"
+            self.tell("a", ev.PeerAppeared(0.0, name, zid))
+            self.tell("a", ev.StateHeard(0.0, State(name, zid, "enforce", "", (), number=1), 300))
+
     def lie(self, lies):
         """Robot c is there, and says something every 50 ms."""
         state = State("c", TAGS["c"], "enforce", "", (StreamState(1, "camera/c", "camera", 0.1, 0.0, 1000),), number=1)
@@ -158,10 +165,7 @@ def test_where_words_are_few_all_have_time_to_tell_what_came(tmp_path):
     """Twelve robots that may say 1.2 kB/s take more than a minute: before that claims are not judged without them."""
     (tmp_path / "spec.toml").write_text(SPECS.replace("window = 0.5", "window = 1.0"))
     air = Air(load_specs(tmp_path))
-    for number in range(9):
-        name, zid = f"d{number}", f"d{number}00000001"
-        air.tell("a", ev.PeerAppeared(0.0, name, zid))
-        air.tell("a", ev.StateHeard(0.0, State(name, zid, "enforce", "", (), number=1), 300))
+    air.join(9)
     air.run(8.0)
     air.lie(boasts)
     air.run(45.0)
@@ -176,10 +180,7 @@ def test_claims_are_believed_where_no_message_comes_near_an_equal_part(specs, mo
     """Of twelve robots each would send a third of the limit at once, whenever it likes: no part is safe for that."""
     monkeypatch.setitem(globals(), "SIZE", size)
     air = Air(specs)
-    for number in range(9):
-        name, zid = f"d{number}", f"d{number}00000001"
-        air.tell("a", ev.PeerAppeared(0.0, name, zid))
-        air.tell("a", ev.StateHeard(0.0, State(name, zid, "enforce", "", (), number=1), 300))
+    air.join(9)
     air.run(8.0)
     air.lie(boasts)
     while not air.found() and air.now < 90.0:
