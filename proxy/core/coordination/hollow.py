@@ -12,9 +12,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
-from proxy.core.coordination.team import Team
+from proxy.core.coordination.team import Team, usual_use
 from proxy.core.coordination.tuning import TUNING
-from proxy.core.model.limits import Limit, use_of
+from proxy.core.model.limits import Limit, exceeds, use_of
 from proxy.core.protocol.messages import tag
 from proxy.core.view.peer import Peer
 from proxy.core.view.stream import Place, Stream
@@ -118,7 +118,8 @@ class Hollow:
         if not held_back or not (splits or _claimed(before, after, now, view)):
             return
         equal = _equal_part(view)
-        if _least_message(after, view, shared) > TUNING.hollow_message * equal:
+        own = [stream for stream in view.streams.own() if stream.key in after.streams]
+        if own and all(exceeds(TUNING.hollow_message * equal, usual_use(view, s, shared), shared) for s in own):
             return
         ours, every = _use(before, after, view, shared, TUNING.hollow_untold * equal)
         if ours < TUNING.hollow_own * equal and every < TUNING.hollow_use:
@@ -129,13 +130,6 @@ class Hollow:
 def _equal_part(view: SharedView) -> float:
     """Return an equal part: however many sessions have a robot's name, they are one."""
     return 1.0 / len({view.settings.robot, *(peer.name for peer in view.peers.values() if not peer.plain)})
-
-
-def _least_message(account: _Account, view: SharedView, limits: tuple[Limit, ...]) -> float:
-    """Return which part of a limit a usual message takes, all copies counted, of the stream with the smallest ones."""
-    own = [stream for stream in view.streams.own() if stream.key in account.streams]
-    uses = [use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits) for stream in own]
-    return min([max(u / c.limit for u, c in zip(use, limits, strict=True)) for use in uses], default=0.0)
 
 
 def _account(now: float, view: SharedView) -> _Account:

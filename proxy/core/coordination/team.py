@@ -168,7 +168,7 @@ class Team:
         # nobody says anything: one of four robots heard nothing of the others for 14 s, and took the whole limit.
         silent = self.even or self.gave_up
         self.rivals = asked or len(sending) > 1 or silent or view.members.speaking > TUNING.few_robots
-        large = [s for s in competing if changes_plans(_use(view, s, limits), limits)]
+        large = [s for s in competing if changes_plans(usual_use(view, s, limits), limits)]
         self.varied = bool(large) and all(s.sizes.deviation > TUNING.varied_sizes * s.sizes.mean for s in large)
         self._look_at_rhythms(now, limits, waiting)
         # Who has just been met may send before it can say so.
@@ -201,7 +201,7 @@ class Team:
         if self.sharing < TUNING.even_robots or self._streams_each() < TUNING.even_streams:
             return False
         most = TUNING.even_parts * (1.0 if self.even else TUNING.hysteresis) / self.sharing
-        return not any(exceeds(most, _use(self._view, stream, limits), limits) for stream in competing)
+        return not any(exceeds(most, usual_use(self._view, stream, limits), limits) for stream in competing)
 
     def _find_senders(self) -> frozenset[str]:
         """Return the tags of the others that share what there is: all but those that are known to have sent nothing."""
@@ -219,7 +219,7 @@ class Team:
 
     def _look_at_rhythms(self, now: float, limits: tuple[Limit, ...], waiting: float) -> None:
         """See how often large samples come: ours, and those of which the others' states tell."""
-        sizes = ((stream, _use(self._view, stream, limits)) for stream in self._view.streams.own())
+        sizes = ((stream, usual_use(self._view, stream, limits)) for stream in self._view.streams.own())
         uses = [(stream, use) for stream, use in sizes if changes_plans(use, limits)]
         own = [stream for stream, _ in uses]
         known = all(stream.schedule.period for stream in own)
@@ -308,7 +308,7 @@ def sendable(now: float, view: SharedView, streams: Collection[Stream], limits: 
     found, window = list[Asking](), shortest_window(limits)
     since = now - TUNING.stretched_windows * window
     for stream in streams:
-        use = _use(view, stream, limits)
+        use = usual_use(view, stream, limits)
         if (stream.sent is not None and stream.sent.t_sent >= since) or not exceeds(1.0, use, limits):
             found.append(Asking(stream, use, interval_of(view.staleness.known_until(now, stream), stream, window)))
     return found
@@ -323,7 +323,7 @@ def _affordable(taken: float) -> float:
     )
 
 
-def _use(view: SharedView, stream: Stream, limits: tuple[Limit, ...]) -> tuple[float, ...]:
+def usual_use(view: SharedView, stream: Stream, limits: tuple[Limit, ...]) -> tuple[float, ...]:
     """Return what a usual message of the stream uses of each limit in all its copies."""
     return use_of(round(stream.sizes.mean), view.subscribers.copies(stream), limits)
 
