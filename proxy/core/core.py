@@ -224,7 +224,7 @@ class Core:
         budget, channel, gossip, gate = parts.budget, parts.channel, parts.gossip, parts.gate
         if now >= channel.due_at:
             urgent = channel.look(now, self.counts.dropped)
-            commands += self._limits.follow_channel()
+            commands += self._limits.follow_channel(now)
         if now >= self._tidied_at + TIDIED_EVERY:
             commands += self._tidy(now)
         announcements = gossip.announcements

@@ -146,8 +146,8 @@ class Channel:
 
     @property
     def allowance_factor(self) -> float:
-        """How much of the allowance is left: less than in proportion, as digests tell where little gets through."""
-        return math.sqrt(min(self.capacity.factors, default=1.0))
+        """How much of the allowance is left: as much as of the limits, so that it is the same part of them."""
+        return min(self.capacity.factors, default=1.0)
 
     def adopt(self, now: float, limits: tuple[Limit, ...]) -> None:
         """The limits are now these; adaptive ones begin where those of the same name are."""

@@ -130,7 +130,10 @@ class CongestionControl:
             self._trial = None
             self._decrease(now, new)
             return "delay"
-        if self.queue_delay > bearable:
+        if self.queue is not None and self.queue_delay > bearable:
+            if all(limit.aimd.outgrown(self.queue_delay) for limit in self._limits):
+                self._decrease(now, self.queue)
+                return "delay"
             for limit in self._limits:
                 limit.aimd.extend_drain(now, self.queue_delay)
             return "draining"

@@ -12,7 +12,6 @@ from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.limits import Limit
 from proxy.core.protocol.messages import Digest
 
-
 _Arrived = tuple[float, int, int]
 """When a robot reported it [s]: the messages that we had sent to anybody, and those that had arrived there."""
 

@@ -35,7 +35,7 @@ class OwnSends(SendLog):
         self.replace([(t, _part(use, parts)) for t, use in self])
         bulky = [(t, _part(use, parts)) for t, use in self.bulky]
         self.bulky.replace([send for send in bulky if is_bulky(send[1], limits)])
-        self._leaving.clear()
+        self._leaving = {sample: (t, _part(use, parts)) for sample, (t, use) in self._leaving.items()}
 
     def note(self, now: float, use: tuple[float, ...], large: int | None, *, bulky: bool = False) -> None:
         """A message is sent now, a `large` sample or something else; `bulky`: windows may be stretched for it."""

@@ -31,11 +31,11 @@ class TeamLimits:
         self._parts.budget.set_limits(self._parts.channel.limits, now)
         self._set_rate()
 
-    def follow_channel(self) -> list[Command]:
+    def follow_channel(self, now: float) -> list[Command]:
         """Adaptive limits may have changed: put them in force, and set the pace of the mesh."""
         if (pace := self._parts.channel.apply()) is None:
             return []
-        self._parts.budget.set_limits(self._parts.channel.limits)
+        self._parts.budget.set_limits(self._parts.channel.limits, now)
         self._set_rate()
         return [pace]
 

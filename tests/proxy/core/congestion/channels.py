@@ -1,5 +1,7 @@
 """A capacity whose peers speak, and tell what they see."""
 
+import math
+
 from planner import Throughput
 from proxy.core.congestion.channel import Capacity
 from proxy.core.congestion.control import Traffic
@@ -8,6 +10,8 @@ from proxy.core.protocol.messages import Digest, Echo
 
 RATE = 100_000.0
 AIR = Limit("air", 0.5, RATE * 0.5, Throughput(RATE), 0.05)
+BEGIN = math.sqrt(AIR.least)
+"""What is in force of it at first."""
 FIXED = Limit("fixed", 0.5, RATE, Throughput(2 * RATE))
 
 

@@ -4,12 +4,11 @@ import math
 
 import pytest
 
-from proxy.core.congestion.tuning import TUNING
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import SetPace
 from proxy.core.model.limits import limits_of
 from proxy.core.protocol.messages import Digest
-from tests.proxy.core.congestion.channels import AIR, FIXED, Channel, queue_of
+from tests.proxy.core.congestion.channels import AIR, BEGIN, FIXED, Channel, queue_of
 from tests.proxy.core.talk import SPEC
 
 ADAPTIVE = SPEC.replace('limit = "{limit}"', 'limit = "adaptive"\nceiling = "{limit}"').format(
@@ -29,7 +28,7 @@ def test_fixed_limits_are_in_force_as_they_are(make_talk, make_specs):
 
 
 def test_an_adaptive_limit_begins_with_a_part_of_its_ceiling(make_talk, make_specs):
-    """In budget and pace alike; the allowance shrinks less than in proportion."""
+    """In budget, pace and allowance alike."""
     talk = make_talk(make_specs(text=ADAPTIVE))
     talk.want(0.0)
     (factor,) = talk.core.channel.capacity.factors
@@ -37,7 +36,7 @@ def test_an_adaptive_limit_begins_with_a_part_of_its_ceiling(make_talk, make_spe
     assert 0.0 < factor < 1.0
     (ceiling,) = limits_of(talk.core.view.specs, 0.0, 2)
     assert limit.limit == pytest.approx(factor * ceiling.limit)
-    assert talk.core.channel.allowance_factor == pytest.approx(math.sqrt(factor))
+    assert talk.core.channel.allowance_factor == pytest.approx(factor)
     assert talk.all(SetPace)[-1].rate == pytest.approx(factor * 100_000.0)
 
 
@@ -73,7 +72,7 @@ def test_what_two_robots_tell_is_in_force():
 def test_without_anybody_nothing_is_known():
     """What was in force stays, and limits that stay keep their estimates under new specs."""
     channel = Channel(peers=())
-    assert channel.run(10.0).factor == TUNING.initial
+    assert channel.run(10.0).factor == BEGIN
     assert channel.why == "nobody is there"
     channel.waits, channel.tells = {"op": 0.0}, {"op": 1.0}
     channel.run(20.0)
@@ -101,11 +100,11 @@ def test_who_knows_of_nothing_against_more_does_not_object():
     """Where estimates begin is no evidence; what a robot has seen is."""
     channel = Channel()
     channel.use = 0.3
-    assert channel.run(5.0).factor == TUNING.initial
+    assert channel.run(5.0).factor == BEGIN
     assert channel.capacity.report(channel.now) == (1.0,)
     queue_of(channel, *(0.1 * i for i in range(1, 10)))
     assert channel.capacity.report(channel.now) == (channel.factor,)
-    assert channel.factor < TUNING.initial
+    assert channel.factor < BEGIN
 
 
 def test_who_follows_a_leader_takes_its_word_for_the_limit():

@@ -4,15 +4,14 @@ import math
 
 import pytest
 
-from proxy.core.congestion.tuning import TUNING
 from proxy.core.protocol.messages import Digest
-from tests.proxy.core.congestion.channels import RATE, Channel
+from tests.proxy.core.congestion.channels import BEGIN, RATE, Channel
 
 
 def test_a_free_channel_that_is_used_is_used_more_until_the_ceiling():
-    """From a quarter of it, in seconds; fixed limits have no part in it."""
+    """From between it and the floor, in seconds; fixed limits have no part in it."""
     channel = Channel()
-    assert channel.factor == TUNING.initial
+    assert channel.factor == BEGIN
     assert channel.run(20.0).factor == 1.0
     assert channel.why == "free"
     assert channel.capacity.report(channel.now) == (1.0,)
@@ -22,7 +21,7 @@ def test_what_is_not_used_does_not_grow():
     """Nobody knows whether the channel bore more."""
     channel = Channel()
     channel.use = 0.3
-    assert channel.run(20.0).factor == TUNING.initial
+    assert channel.run(20.0).factor == BEGIN
     assert channel.why == "not used"
 
 
@@ -41,6 +40,21 @@ def test_a_growing_queue_decreases_the_limit_at_once_and_not_again_while_it_drai
     low = channel.run(0.3).factor
     channel.waits["op"] = 0.0
     assert channel.run(1.0).factor > low
+
+
+def test_a_queue_that_grows_on_and_on_is_reason_to_decrease_again():
+    """What was sent since the last decrease need not come through to know that it was not enough."""
+    channel = Channel().run(20.0)
+    first, wait = None, 0.0
+    for tenth in range(40):
+        wait += 0.09
+        channel.waits["op"] = wait
+        channel.run(0.1)
+        if first is None and channel.factor < 1.0:
+            first = channel.capacity.described(channel.now, 0)["estimate"]
+        if tenth == 10:
+            early = channel.capacity.described(channel.now, 0)["estimate"]
+    assert first > early > channel.capacity.described(channel.now, 0)["estimate"]
 
 
 @pytest.mark.parametrize("silent", ["they", "we"])

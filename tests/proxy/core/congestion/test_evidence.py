@@ -183,6 +183,34 @@ def test_a_radio_that_always_loses_is_no_full_channel(part):
     assert max(losses) < TUNING.excess_loss
 
 
+def reported(every, *, part, seconds=40.0, rate=40.0):
+    """What seems lost at each report where robots share our messages and each reports on them this often."""
+    delivery, losses = DeliveryRatio(), []
+    reports = sorted((n * each, place) for place, each in enumerate(every) for n in range(1, int(seconds / each)))
+    for now, place in reports:
+        # Bursts: twice the rate in every other second.
+        sent = round(rate * (now + 0.5 * math.sin(math.pi * now) / math.pi))
+        delivery.note(now, sent, str(place), round(part * sent / len(every)))
+        losses.append(delivery.excess_loss(now))
+    return losses
+
+
+@pytest.mark.parametrize("every", [(0.3, 1.9), (0.25, 0.7, 2.6), (0.5, 0.5, 0.5, 2.3)])
+def test_that_robots_report_at_different_times_is_no_loss(every):
+    """However long ago some of them did, and however much was sent since."""
+    assert max(reported(every, part=0.99)) < 0.1
+
+
+def test_of_what_a_robot_has_not_reported_on_nothing_is_known():
+    """What others report meanwhile does not tell what arrived there."""
+    delivery = DeliveryRatio()
+    for second in range(20):
+        delivery.note(second, 40 * second, "a", 20 * second)
+        if second < 10:
+            delivery.note(second, 40 * second, "b", 20 * second)
+    assert delivery.excess_loss(19.0) == 0.0
+
+
 def test_more_loss_than_usual_is_seen_within_seconds():
     """And forgotten once it is usual, or accepted."""
     delivery, losses = flown([0.95] * 30 + [0.4] * 10)

@@ -66,6 +66,21 @@ def test_under_new_limits_what_was_sent_counts_against_those_of_the_same_name_an
     assert budget.used(1.1, 0) == 0.0
 
 
+def test_under_a_limit_that_follows_the_channel_what_was_sent_stays_the_part_of_it_that_it_was(make_budget):
+    """So there is room at once in a limit that was decreased, and none all at once in one that grew."""
+    adaptive = replace(BYTES, least=0.05)
+    budget, view = make_budget(adaptive)
+    budget.use(1.0, (600.0,), 1)
+    heard(view, 1.1, 200)
+    assert budget.free(1.2) == pytest.approx([200.0])
+    for now, part in ((1.2, 0.3), (1.3, 0.5), (1.4, 1.0)):
+        budget.set_limits((replace(adaptive, limit=part * adaptive.limit),), now)
+        assert budget.used(now, 0) == pytest.approx(600.0 * part)
+        assert budget.free(now) == pytest.approx([200.0 * part])
+    budget.own.handed(1.5, 1)
+    assert budget.used(2.4, 0) == pytest.approx(600.0)
+
+
 @given(
     st.lists(
         st.tuples(st.sampled_from(("add", "add", "remove", "forget")), st.integers(-8, 3), st.integers(0, 50)),
