@@ -46,7 +46,7 @@ _OTHER_WORDS = {
 class Dimension:
     """A kind of quantity: factors of its units to the base unit, and what a number may be.
 
-    `plain`: a number alone will do; `zero`: 0 will, too; `negative`: any will; `least` and `most`: the bounds otherwise.
+    `plain`: a number alone will do; `zero`: 0 will, too; `negative`: any will; `least`, `most`: else the bounds.
     """
 
     name: str
