@@ -10,8 +10,11 @@ from typing import Any, Literal
 from utility_specs.errors import FeatureError
 from utility_specs.features.ros_image import RosImage, compressed_in
 
-LARGEST_IMAGE = 2**26
-"""Pixels of the largest image that is decoded: a small payload may claim to be enormous."""
+LARGEST_IMAGE = 2**25
+"""Pixels of the largest image that is decoded: a small payload may claim to be enormous.
+
+Twice as many take 464 MB as a progressive JPEG, and the service has 400 MB.
+"""
 
 JPEG = b"\xff\xd8\xff"
 PNG = b"\x89PNG\r\n\x1a\n"

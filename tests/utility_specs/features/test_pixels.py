@@ -149,9 +149,10 @@ def test_opencv_is_imported_when_a_spec_uses_it_and_not_before():
     assert python(program + "ColorFraction('red'); print(a, 'cv2' in sys.modules)") == "False True"
 
 
-def test_a_small_payload_that_claims_a_huge_image_is_refused(tmp_path):
-    """A PNG of 20,000 x 20,000 pixels in its header is not decoded; nothing is logged."""
-    header = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 0, 0, 0, 0)
+@pytest.mark.parametrize(("width", "height"), [(20_000, 20_000), (8192, 4097)])
+def test_a_small_payload_that_claims_a_huge_image_is_refused(tmp_path, width, height):
+    """A PNG that says in its header that it has so many pixels is not decoded; nothing is logged."""
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     path = tmp_path / "bomb.png"
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"")))
     program = f"""
