@@ -51,6 +51,11 @@ class Encoding:
     rows: float = 1.0
     """Rows of bytes for each row of the image."""
 
+    def uneven(self, width: int, height: int) -> bool:
+        """Whether no image has these sides: two pixels beside, or below, each other share a colour."""
+        planar = self.rows != 1.0
+        return bool((width % 2 and (planar or self.channels == 2)) or (height % 2 and planar))
+
     def shape(self, width: int, height: int) -> tuple[int, ...]:
         """Return the shape of the array of an image."""
         rows = round(height * self.rows)
