@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field
 from utility_specs.errors import QuantityError
 from utility_specs.suggestions import described, listed, quoted
 
-_WRITTEN = re.compile(r"\s*([+-]?(?:\d[\d_]*)(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
+_WRITTEN = re.compile(r"\s*+([+-]?\d++(?:_\d++)*+(?:\.\d++)?+(?:[eE][+-]?\d++)?+)\s*+([^\s_.,].*?)?\s*")
 
 _PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 _BINARY = {"Ki": 1024.0, "Mi": 1024.0**2, "Gi": 1024.0**3}

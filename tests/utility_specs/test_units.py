@@ -52,6 +52,9 @@ def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
     [
         (RATE, 2_000_000, 'needs a unit; write for example "2 Mbit/s"'),
         (RATE, "2", 'needs a unit; write for example "2 Mbit/s"'),
+        (RATE, "12,5 Mbit/s", '"12,5 Mbit/s" is not a rate; write for example "2 Mbit/s"'),
+        (RATE, "1__0 Mbit/s", '"1__0 Mbit/s" is not a rate; write for example "2 Mbit/s"'),
+        (RATE, "1_ Mbit/s", '"1_ Mbit/s" is not a rate; write for example "2 Mbit/s"'),
         (RATE, "fast", '"fast" is not a rate; write for example "2 Mbit/s"'),
         (RATE, "2 mbit/s", 'unknown unit "mbit/s" (did you mean "Mbit/s"?)'),
         (RATE, "2 Mbps", 'unknown unit "Mbps" (did you mean "Mbit/s"?)'),
