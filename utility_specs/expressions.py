@@ -155,6 +155,8 @@ def _parsed(line: str) -> ast.expr:
         raise ExpressionError("is empty")
     if len(line) > LONGEST:
         raise ExpressionError(f"is longer than {LONGEST} characters")
+    if "#" in line:
+        raise ExpressionError("has a # in it; comments stand outside of expressions, for these are one line")
     try:
         with warnings.catch_warnings(action="error"):  # "1or 2" is a warning to Python and a mistake to us
             return ast.parse(line, mode="eval").body

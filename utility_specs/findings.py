@@ -6,6 +6,7 @@ from itertools import combinations
 
 import zenoh
 
+from planner.problem import Aggregation
 from planner.utility import Custom
 from utility_specs import digests
 from utility_specs.constraint_tables import AnyConstraintTable
@@ -148,6 +149,8 @@ def _idle(each: _Type) -> Iterator[Finding]:
         elif generates is not None and rate > generates * TOO_MUCH:
             message = f"takes {rate:g} samples per second, and forecast.schedule says that there are {generates:g}"
             yield each.finding(key, message, unfit=True)
+        elif each.type.aggregation is Aggregation.ONCE:
+            yield each.finding(key, 'ends with the first sample: with aggregation = "once" each robot is sent no other')
     if each.type.bypass and each.type.mode is not None:
         yield each.finding("mode", "has no effect: with bypass everything goes")
 

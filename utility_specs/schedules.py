@@ -103,7 +103,7 @@ class PeriodicTable(_Table):
 
     def rule(self) -> ScheduleRule:
         """Return the rule."""
-        return PeriodicRule(self.period, self.phase)
+        return PeriodicRule(self.period, None if self.phase is None else self.phase % self.period)
 
 
 class PoissonTable(_Table):

@@ -14,10 +14,15 @@ from pydantic import BeforeValidator, Field
 from utility_specs.errors import QuantityError
 from utility_specs.suggestions import described, listed, quoted
 
-_WRITTEN = re.compile(r"\s*([+-]?(?:\d[\d_]*)(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
+_WRITTEN = re.compile(r"\s*+([+-]?\d++(?:_\d++)*+(?:\.\d++)?+(?:[eE][+-]?\d++)?+)\s*+([^\s_.,].*?)?\s*")
 
 _PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 _BINARY = {"Ki": 1024.0, "Mi": 1024.0**2, "Gi": 1024.0**3}
+
+LEAST, MOST = 1e-12, 1e15
+"""What is less or more, in base units, nobody means, and sums of squares of it are soon no finite numbers any more."""
+SHORTEST = 1e-9
+"""The shortest duration [s]: of shorter ones a stream of years would have more than 64 bits can count."""
 
 MOST_LISTED = 16
 """Units that a message lists."""
@@ -41,7 +46,7 @@ _OTHER_WORDS = {
 class Dimension:
     """A kind of quantity: factors of its units to the base unit, and what a number may be.
 
-    `plain`: a number alone will do; `zero`: 0 will, too; `negative`: any will; `most`: the largest.
+    `plain`: a number alone will do; `zero`: 0 will, too; `negative`: any will; `least`, `most`: else the bounds.
     """
 
     name: str
@@ -50,7 +55,8 @@ class Dimension:
     plain: bool
     zero: bool = False
     negative: bool = False
-    most: float = math.inf
+    least: float = LEAST
+    most: float = MOST
 
     def parse(self, written: Any) -> float:
         """Return a quantity in the base unit; raises QuantityError, which says what to write."""
@@ -60,9 +66,15 @@ class Dimension:
         if not (math.isfinite(quantity) and (self.negative or quantity > 0.0 or (self.zero and quantity == 0.0))):
             least = "" if self.negative else " of at least 0" if self.zero else " above 0"
             raise QuantityError(f"must be a finite {self.name}{least}, not {described(written)}")
-        if quantity > self.most:
-            raise QuantityError(f"must be a {self.name} of at most {self.most:g}, not {described(written)}")
+        if not self.negative and quantity > self.most:
+            raise QuantityError(f"must be a {self.name} of at most {self._base(self.most)}, not {described(written)}")
+        if not self.negative and 0.0 < quantity < self.least:
+            raise QuantityError(f"must be a {self.name} of at least {self._base(self.least)}, not {described(written)}")
         return quantity
+
+    def _base(self, number: float) -> str:
+        """Write a number with the base unit, if that has a name."""
+        return " ".join([f"{number:g}", *(unit for unit, factor in self.units.items() if factor == 1.0)][:2])
 
     def _of_text(self, text: str) -> float:
         found = _WRITTEN.fullmatch(text)
@@ -105,6 +117,7 @@ DURATION = Dimension(
     {"s": 1.0, "ms": 1e-3, "us": 1e-6, "μs": 1e-6, "min": 60.0, "h": 3600.0},
     "200 ms",
     plain=True,
+    least=SHORTEST,
 )
 FREQUENCY = Dimension(
     "frequency", {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "1/s": 1.0, "1/min": 1 / 60}, "0.2 Hz", plain=False

@@ -9,13 +9,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validat
 
 from planner.utility import Custom, Exponential, Linear, MessageUtility, Polynomial, Power, Step, Table, Video
 from utility_specs.imports import imported
-from utility_specs.units import Age, Duration
+from utility_specs.units import MOST, Age, Duration
 
 MOST_POINTS = 1000
 """Points of a table."""
 
-Worth = Annotated[float, Field(gt=0.0)]
-Point = Annotated[tuple[Age, Annotated[float, Field(ge=0.0)]], Field(strict=False)]
+Worth = Annotated[float, Field(gt=0.0, le=MOST)]
+Point = Annotated[tuple[Age, Annotated[float, Field(ge=0.0, le=MOST)]], Field(strict=False)]
 """Age [s] and value [1/s], written as an array of two."""
 
 
@@ -34,7 +34,7 @@ class LinearTable(UtilityTable):
 
     kind: Literal["linear"]
     u0: Worth = Field(default=1.0, description="the value of a new sample")
-    slope: float = Field(gt=0.0, description="what the value loses in a second")
+    slope: Worth = Field(description="what the value loses in a second")
 
     def utility(self, features: Mapping[str, float]) -> MessageUtility:  # noqa: ARG002 - age alone matters
         """Return the planner's function."""

@@ -12,6 +12,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Protocol
 
+from proxy.config_values import robot_name
 from proxy.printable import clean
 from proxy.recording.entries import Payload, Start, Traffic
 from proxy.recording.writing import RecordingWriter
@@ -64,8 +65,7 @@ def make(arguments: argparse.Namespace, bags: Sequence[Path]) -> None:
         raise ImportFailedError(f"{output} is no file that could be replaced")
     if any(output.exists() and path.exists() and path.samefile(output) for path in arguments.files):
         raise ImportFailedError(f"{output} is what is to be imported; name another file with -o")
-    if arguments.robot is not None and len(bags) > 1:
-        raise ImportFailedError("--robot names the robot of one bag; several are named after their files")
+    _check_robots(arguments, bags)
     sources = [_source(path, arguments, bag=path in bags) for path in arguments.files]
     target = Path(os.path.realpath(output))
     beside = target.with_name(f".{target.name}.new")
@@ -83,6 +83,21 @@ def make(arguments: argparse.Namespace, bags: Sequence[Path]) -> None:
         for column in getattr(source, "ignored", []):
             print(clean(f'sendworthy import: the column "{column}" is text, and ignored'), file=sys.stderr)
     print(clean(_said(output, written)))
+
+
+def _check_robots(arguments: argparse.Namespace, bags: Sequence[Path]) -> None:
+    """Say so where bags are taken for one robot's. Raises ImportFailedError where --robot makes no sense."""
+    if arguments.robot is not None:
+        if len(bags) > 1:
+            raise ImportFailedError("--robot names the robot of one bag; several are named after their files")
+        try:
+            robot_name(arguments.robot)
+        except ValueError as error:
+            raise ImportFailedError(f"--robot {error}") from None
+    names = Counter(path.resolve().stem for path in bags)
+    for name in [name for name, count in names.items() if count > 1 and not arguments.by_namespace]:
+        told = f"{names[name]} bags are taken for those of one robot, as they are named {name}"
+        print(clean(f"sendworthy import: {told}; robots are named after files"), file=sys.stderr)
 
 
 def _source(path: Path, arguments: argparse.Namespace, *, bag: bool) -> Source:

@@ -68,6 +68,7 @@ def test_an_expression_knows_the_features_it_uses():
         ("-" * (DEEPEST + 1) + "1", "is nested too deeply"),
         ("(" * 240 + "1" + ")" * 240, "is not an expression: too many nested parentheses (column 201)"),
         ("1" * 400, "holds a number that is too large"),
+        ("1 + red # so far\n+ size", "has a # in it; comments stand outside of expressions, for these are one line"),
         ("redd", 'unknown feature "redd" (did you mean "red"?)'),
         ("zz", 'unknown feature "zz" (known: "red", "size")'),
         ("mim(1, 2)", 'unknown function "mim" (did you mean "min"?)'),

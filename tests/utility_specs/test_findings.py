@@ -157,6 +157,13 @@ def test_nobody_can_send_what_is_not_generated(find, schedule, rate):
             '6: information_type "camera": max_age: has no effect: nothing decides on this type',
         ),
         (
+            CAMERA + 'aggregation = "once"\nmin_rate = "1 Hz"',
+            (
+                '6: information_type "camera": min_rate: ends with the first sample: '
+                'with aggregation = "once" each robot is sent no other'
+            ),
+        ),
+        (
             CAMERA + 'bypass = true\nmode = "enforce"',
             '6: information_type "camera": mode: has no effect: with bypass everything goes',
         ),

@@ -25,6 +25,7 @@ from utility_specs.schedules import (
         ("auto", None),
         ({"kind": "periodic", "period": "500 ms"}, PeriodicRule(0.5)),
         ({"kind": "periodic", "period": 2, "phase": "0 s"}, PeriodicRule(2.0, 0.0)),
+        ({"kind": "periodic", "period": 2, "phase": "1e15 s"}, PeriodicRule(2.0, 0.0)),
         ({"kind": "poisson", "rate": "0.2 Hz"}, PoissonRule(5.0)),
         ({"kind": "poisson", "interval": "1 min"}, PoissonRule(60.0)),
         ({"kind": "times", "times": [0, "500 ms", 3], "every": "10 s"}, TimesRule((0.0, 0.5, 3.0), 10.0)),

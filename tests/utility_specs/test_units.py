@@ -52,6 +52,9 @@ def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
     [
         (RATE, 2_000_000, 'needs a unit; write for example "2 Mbit/s"'),
         (RATE, "2", 'needs a unit; write for example "2 Mbit/s"'),
+        (RATE, "12,5 Mbit/s", '"12,5 Mbit/s" is not a rate; write for example "2 Mbit/s"'),
+        (RATE, "1__0 Mbit/s", '"1__0 Mbit/s" is not a rate; write for example "2 Mbit/s"'),
+        (RATE, "1_ Mbit/s", '"1_ Mbit/s" is not a rate; write for example "2 Mbit/s"'),
         (RATE, "fast", '"fast" is not a rate; write for example "2 Mbit/s"'),
         (RATE, "2 mbit/s", 'unknown unit "mbit/s" (did you mean "Mbit/s"?)'),
         (RATE, "2 Mbps", 'unknown unit "Mbps" (did you mean "Mbit/s"?)'),
@@ -73,6 +76,11 @@ def test_a_quantity_is_read_into_its_base_unit(dimension, written, base):
         (AGE, math.nan, "must be a finite duration of at least 0, not nan"),
         (DURATION, math.nan, "must be a finite duration above 0, not nan"),
         (DURATION, 10**400, "must be a finite duration above 0, not a huge number"),
+        (DURATION, "1e300 s", 'must be a duration of at most 1e+15 s, not "1e300 s"'),
+        (AGE, "1e-10 s", 'must be a duration of at least 1e-09 s, not "1e-10 s"'),
+        (RATE, "1e300 Mbit/s", 'must be a rate of at most 1e+15 B/s, not "1e300 Mbit/s"'),
+        (JOULE, "1e-320 J", 'must be a quantity of energy of at least 1e-12 J, not "1e-320 J"'),
+        (FRACTION, 1e-13, "must be a fraction of at least 1e-12, not 1e-13"),
     ],
 )
 def test_a_quantity_without_meaning_is_refused_with_what_to_write(dimension, written, message):

@@ -105,6 +105,10 @@ class ImageTable(FeatureTable):
             raise ValueError(f'{said[0]} has a meaning only with format = "raw"')
         if (self.width or 1) * (self.height or 1) > LARGEST_IMAGE:
             raise ValueError(f"an image has at most {LARGEST_IMAGE} pixels")
+        if self.format == "raw" and ENCODINGS[self.encoding or ""].uneven(self.width or 0, self.height or 0):
+            raise ValueError(
+                f"no {self.encoding} image has {self.width} x {self.height} pixels: its sides must be even"
+            )
         return self
 
     def image(self) -> Image:

@@ -10,17 +10,28 @@ from typing import Any, Literal
 from utility_specs.errors import FeatureError
 from utility_specs.features.ros_image import RosImage, compressed_in
 
-LARGEST_IMAGE = 2**26
-"""Pixels of the largest image that is decoded: a small payload may claim to be enormous."""
+LARGEST_IMAGE = 2**25
+"""Pixels of the largest image that is decoded: a small payload may claim to be enormous.
 
+Twice as many take 464 MB as a progressive JPEG, and the service has 400 MB.
+"""
+
+JPEG = b"\xff\xd8\xff"
 PNG = b"\x89PNG\r\n\x1a\n"
-BEGINNINGS = (b"\xff\xd8\xff", PNG, b"RIFF", b"BM")
+BEGINNINGS = (JPEG, PNG, b"RIFF", b"BM")
 """What compressed images begin with: JPEG, PNG, WebP, BMP. OpenCV reads more kinds, in ways that are less tried."""
 
 Reduction = Literal[1, 2, 4, 8]
 
+SCAN = b"\xff\xda"
+"""What each scan of a JPEG begins with; its data hold no such bytes."""
+MOST_SCANS = 20
+"""Scans of a JPEG at most. Progressive ones have about ten, and each goes over the whole image: 200 took 49 s."""
+
 _AROUND_CHUNK = 12
 """Bytes of a chunk of a PNG besides what it carries: its length, its name, its checksum."""
+_PACKED_TEXT = (b"zTXt", b"iTXt")
+"""Chunks of a PNG that say nothing of its pixels and are unpacked all the same: a hundred of 8 kB took 20 s."""
 
 Pixels = Any
 """A NumPy array of bytes: height x width x 3 (blue, green, red), or height x width of a grey image."""
@@ -39,6 +50,11 @@ class Encoding:
     mosaic: bool = False
     rows: float = 1.0
     """Rows of bytes for each row of the image."""
+
+    def uneven(self, width: int, height: int) -> bool:
+        """Whether no image has these sides: two pixels beside, or below, each other share a colour."""
+        planar = self.rows != 1.0
+        return bool((width % 2 and (planar or self.channels == 2)) or (height % 2 and planar))
 
     def shape(self, width: int, height: int) -> tuple[int, ...]:
         """Return the shape of the array of an image."""
@@ -86,8 +102,10 @@ def decoded(payload: bytes | memoryview, reduction: Reduction) -> Pixels:
     Of a JPEG that takes less time. Raises FeatureError or OpenCV's own error for what is not an image.
     """
     cv2, numpy = opencv()
-    if not bytes(payload[:8]).startswith(BEGINNINGS) or _lacks_chunks(payload):
+    payload = bytes(payload)
+    if not payload.startswith(BEGINNINGS) or (payload.startswith(JPEG) and payload.count(SCAN) > MOST_SCANS):
         raise FeatureError("the payload is not an image")
+    payload = _without_texts(payload) if payload.startswith(PNG) else payload
     flag = "IMREAD_COLOR" if reduction == 1 else f"IMREAD_REDUCED_COLOR_{reduction}"
     image = cv2.imdecode(numpy.frombuffer(payload, numpy.uint8), getattr(cv2, flag))
     if image is None:
@@ -95,15 +113,22 @@ def decoded(payload: bytes | memoryview, reduction: Reduction) -> Pixels:
     return image
 
 
-def _lacks_chunks(payload: bytes | memoryview) -> bool:
-    """Whether a PNG says that a chunk of it is longer than all that follows.
+def _without_texts(payload: bytes) -> bytes:
+    """Return a PNG without packed texts; raises FeatureError where a chunk says that it is longer than what follows.
 
-    OpenCV 5.0 would make room for it: 106 bytes took 3 GB and 12 s.
+    OpenCV 5.0 would make room for that: 106 bytes took 3 GB and 12 s.
     """
-    at = len(PNG) if bytes(payload[: len(PNG)]) == PNG else len(payload)
+    at = kept = len(PNG)
+    parts = [PNG]
     while at < len(payload):
-        at += int.from_bytes(payload[at : at + 4]) + _AROUND_CHUNK
-    return at > len(payload)
+        end = at + int.from_bytes(payload[at : at + 4]) + _AROUND_CHUNK
+        if payload[at + 4 : at + 8] in _PACKED_TEXT:
+            parts.append(payload[kept:at])
+            kept = end
+        at = end
+    if at > len(payload):
+        raise FeatureError("the payload is not an image")
+    return b"".join([*parts, payload[kept:]]) if len(parts) > 1 else payload
 
 
 def of_raw(image: RosImage, reduction: Reduction) -> Pixels:

@@ -133,15 +133,18 @@ class Budget:
     def certain_at(self, now: float, use: tuple[float, ...]) -> float:
         """Return when a small message is within the part that is ours whatever others say [s]; ∞: it is not small.
 
-        And within what is ours alone; in the past where it is now.
+        And within what is ours alone, of which it takes as little, for our own streams compete for that: of two robots
+        with energy for two frames a second each sent any that fitted, and both reached half of what either does alone.
+        In the past where it is now.
         """
         part, at = self.coordination.certain, -math.inf
         if self.alone or part <= 0.0:
             return math.inf
         for k, limit in enumerate(self.limits):
-            room = self.whole(now, k) * (part if limit.shared else 1.0)
-            if use[k] > room * (TUNING.certain_message if limit.shared else 1.0):
+            whole = self.whole(now, k)
+            if use[k] > whole * (part if limit.shared else TUNING.certain_part) * TUNING.certain_message:
                 return math.inf
+            room = whole * part if limit.shared else whole
             at = max(at, self.own.exceeded_since(k, room - use[k]) + limit.window + MARKET.closed)
         return at
 

@@ -75,11 +75,21 @@ def test_several_files_are_one_recording(place, capsys):
     assert times == sorted(times)
 
 
+def test_bags_of_one_name_are_told_to_be_one_robot(place, capsys):
+    """Folders of robots often hold bags that are all named alike; by namespace they are whose the topics say."""
+    write_bag(place / "r1" / "bag")
+    write_bag(place / "r2" / "bag")
+    assert main(["import", "r1/bag", "r2/bag", "-o", "all.mcap"]) == exit_codes.OK
+    assert "2 bags are taken for those of one robot, as they are named bag" in capsys.readouterr().err
+    assert main(["import", "r1/bag", "r2/bag", "-o", "each.mcap", "--by-namespace"]) == exit_codes.OK
+    assert "taken for" not in capsys.readouterr().err
+
+
 def test_the_words_of_a_file_cannot_command_the_terminal(place, capsys):
     """Robots, topics and columns have whatever names others gave them."""
-    write_bag(place / "bag")
+    write_bag(place / "r\x1b[2J")
     Path("t.csv").write_text("t_gen,robot,key,size,\x1b[2J\n1,r1,\x1b[2J,5,x\n")
-    assert main(["import", "bag", "t.csv", "-o", "all.mcap", "--robot", "r\x1b[2J"]) == exit_codes.OK
+    assert main(["import", "r\x1b[2J", "t.csv", "-o", "all.mcap"]) == exit_codes.OK
     shown = capsys.readouterr()
     assert "r\ufffd[2J (90)" in shown.out
     assert 'the column "\ufffd[2J" is text' in shown.err
@@ -107,6 +117,8 @@ def test_what_is_named_twice_is_imported_once(place, capsys):
         (["t.csv", "-o", "there.mcap"], exit_codes.FAILED, "there.mcap exists; --force replaces it"),
         (["t.csv", "-o", "t.csv", "--force"], exit_codes.FAILED, "t.csv is what is to be imported"),
         (["a", "b", "--robot", "r1"], exit_codes.FAILED, "--robot names the robot of one bag"),
+        (["a", "--robot", "r/1"], exit_codes.FAILED, '--robot must be one chunk of a key, without /: "r/1"'),
+        (["a", "--robot", ""], exit_codes.FAILED, "--robot must not be empty"),
         (["t.csv", "-o", "no/where.mcap"], exit_codes.FAILED, "-o no/where.mcap: there is no folder no"),
     ],
 )

@@ -57,7 +57,15 @@ def test_a_grey_image_has_no_colours():
         ({"format": "raw", "width": 640, "height": 480}, 'format = "raw" needs width, height and encoding'),
         ({"width": 640}, 'width has a meaning only with format = "raw"'),
         ({"format": "raw", **RAW, "encoding": "rgb"}, r'unknown encoding "rgb" \(did you mean "rgb8"\?\)'),
-        ({"format": "raw", **RAW, "width": 65536, "height": 65536}, "an image has at most 67108864 pixels"),
+        ({"format": "raw", **RAW, "width": 65536, "height": 65536}, "an image has at most 33554432 pixels"),
+        (
+            {"format": "raw", **RAW, "width": 641, "encoding": "uyvy"},
+            "no uyvy image has 641 x 480 pixels: its sides must be even",
+        ),
+        (
+            {"format": "raw", **RAW, "height": 481, "encoding": "nv12"},
+            "no nv12 image has 640 x 481 pixels: its sides must be even",
+        ),
         ({"downscale": 3}, "Input should be 1, 2, 4 or 8"),
         ({"format": "jpeg"}, "Input should be 'compressed'"),
     ],

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from utility_specs.errors import FeatureError
-from utility_specs.features.pixels import ENCODINGS, decoded, of_raw
+from utility_specs.features.pixels import ENCODINGS, MOST_SCANS, SCAN, decoded, of_raw
 from utility_specs.features.ros_image import RosImage
 
 BGR = (40, 90, 200)
@@ -132,6 +132,11 @@ def test_whatever_the_bytes_there_are_pixels_or_an_error(data, encoding, width, 
     assert pixels.size
 
 
+def chunk(kind: bytes, body: bytes) -> bytes:
+    """A chunk of a PNG."""
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
 def python(program: str) -> str:
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60)
     assert not done.stderr
@@ -144,13 +149,10 @@ def test_opencv_is_imported_when_a_spec_uses_it_and_not_before():
     assert python(program + "ColorFraction('red'); print(a, 'cv2' in sys.modules)") == "False True"
 
 
-def test_a_small_payload_that_claims_a_huge_image_is_refused(tmp_path):
-    """A PNG of 20,000 x 20,000 pixels in its header is not decoded; nothing is logged."""
-
-    def chunk(kind: bytes, body: bytes) -> bytes:
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
-    header = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 0, 0, 0, 0)
+@pytest.mark.parametrize(("width", "height"), [(20_000, 20_000), (8192, 4097)])
+def test_a_small_payload_that_claims_a_huge_image_is_refused(tmp_path, width, height):
+    """A PNG that says in its header that it has so many pixels is not decoded; nothing is logged."""
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     path = tmp_path / "bomb.png"
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"")))
     program = f"""
@@ -171,6 +173,29 @@ def test_a_png_whose_chunk_is_longer_than_the_payload_is_refused():
     for at in (8, 33):
         with pytest.raises(FeatureError, match="not an image"):
             decoded(whole[:at] + b"\x30" + whole[at + 1 :], 1)
+
+
+def test_packed_texts_of_a_png_are_not_unpacked(tmp_path):
+    """They take time, and libpng logs what is wrong with them."""
+    whole = cv2.imencode(".png", FLAT)[1].tobytes()
+    texts = chunk(b"zTXt", b"Comment\0\0no zlib") + chunk(b"iTXt", b"Comment\0\1\0\0\0no zlib")
+    path = tmp_path / "texts.png"
+    path.write_bytes(whole[:33] + texts + whole[33:])
+    program = f"""
+from pathlib import Path
+from utility_specs.features.pixels import decoded
+print(decoded(Path({str(path)!r}).read_bytes(), 1).shape)
+"""
+    assert python(program) == str(FLAT.shape)
+
+
+def test_a_jpeg_of_many_scans_is_refused():
+    """Each goes over the whole image again; a progressive one has ten."""
+    whole = cv2.imencode(".jpg", FLAT, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
+    scan = whole[whole.rfind(SCAN) : -2]
+    assert decoded(whole, 1).shape == FLAT.shape
+    with pytest.raises(FeatureError, match="not an image"):
+        decoded(whole[:-2] + scan * MOST_SCANS + whole[-2:], 1)
 
 
 @pytest.mark.parametrize("form", [".tiff", ".ppm"])
