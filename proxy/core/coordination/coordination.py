@@ -49,8 +49,6 @@ class Coordination:
         self.hollow = Hollow()
         self.keeps = 0.0
         """The part that we keep to, where claims of others are hollow: nothing that they send counts against it."""
-        self.certain = 0.0
-        """The part that we have for small samples whatever others say; none where nobody else sends."""
         self.told: SplitReport | None = None
         self.formation = Formation(now, strict=self.team.strict)
         self.meanwhile = Meanwhile()
@@ -64,6 +62,14 @@ class Coordination:
     def binds(self) -> bool:
         """Whether each robot keeps to its part of every limit, and counts nothing that others send."""
         return self.team.splits and not self.meanwhile.plans
+
+    @property
+    def certain(self) -> float:
+        """The part that we have for small samples whatever others say; none where nobody else sends, or has lately.
+
+        What a robot says to have sent counts from its first word on, and after it left: alarms were dropped then.
+        """
+        return TUNING.certain_part / self.team.robots if self.team.rivals or self._view.traffic.sends else 0.0
 
     @property
     def split_in_force(self) -> Split | None:
@@ -217,7 +223,6 @@ class Coordination:
         self.keeps = self.hollow.keeps(now, self._view, limits, self.team)
         self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
         self._view.audiences.take_alike(alike=self.team.agrees)
-        self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
         if self._split is not None:
             self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
         if self._all_equal:
