@@ -109,7 +109,7 @@ def test_what_is_counted_of_others_is_what_they_sent(make_budget):
         now = 1.0 + 0.1 * step
         heard(view, now, 10 + step)
         if step % 11 == 0:
-            view.traffic.retract(view.traffic.note_unknown(now - 0.2, 500, "other"))
+            view.traffic.retract([view.traffic.note_unknown(now - 0.2, 500, "other")])
         if step == 20:
             budget.set_limits((COUNT, BYTES))
         for k, limit in enumerate(budget.limits):
