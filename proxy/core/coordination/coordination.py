@@ -64,14 +64,6 @@ class Coordination:
         return self.team.splits and not self.meanwhile.plans
 
     @property
-    def certain(self) -> float:
-        """The part that we have for small samples whatever others say; none where nobody else sends, or has lately.
-
-        What a robot says to have sent counts from its first word on, and after it left: alarms were dropped then.
-        """
-        return TUNING.certain_part / self.team.robots if self.team.rivals or self._view.traffic.sends else 0.0
-
-    @property
     def split_in_force(self) -> Split | None:
         """The parts that the team agrees on."""
         return None if self._split is None or self.keeps or self._all_equal or not self.team.splits else self._split
