@@ -137,7 +137,7 @@ class Budget:
         with energy for two frames a second each sent any that fitted, and both reached half of what either does alone.
         In the past where it is now.
         """
-        part, at = self.coordination.certain, -math.inf
+        part, at = _certain(self._view, self.coordination), -math.inf
         if self.alone or part <= 0.0:
             return math.inf
         for k, limit in enumerate(self.limits):
@@ -254,7 +254,7 @@ class Budget:
         A little is left to small ones: beside a robot that claimed ten limits two sent 11 % of their odometry without
         that.
         """
-        limit, certain, alone = usable[k], self.coordination.certain, self.alone
+        limit, certain, alone = usable[k], _certain(self._view, self.coordination), self.alone
         if self.turns:
             return limit.limit - self.own.used(now - limit.window - longer, k)
         room = self.stretch.room(now, k, usable, message, longer=longer, alone=alone)
@@ -318,6 +318,15 @@ def _next_turn(budget: Budget, coordination: Coordination, now: float, use: tupl
     """Return when our next turn by the clock begins with a message [s]; −∞ where it needs none."""
     turns = [coordination.turn(now, k, limit, use[k]) for k, limit in enumerate(budget.limits)]
     return max([turn.next + MARKET.closed for turn in turns if turn.began > -math.inf], default=-math.inf)
+
+
+def _certain(view: SharedView, coordination: Coordination) -> float:
+    """Return the part that we have for small samples whatever others say; none where nobody else sends, or has lately.
+
+    What a robot says to have sent counts from its first word on, and after it left: alarms were dropped then.
+    """
+    team = coordination.team
+    return TUNING.certain_part / team.robots if team.rivals or view.traffic.sends else 0.0
 
 
 def _confined(budget: Budget, now: float, k: int, part: float) -> float:

@@ -49,8 +49,6 @@ class Coordination:
         self.hollow = Hollow()
         self.keeps = 0.0
         """The part that we keep to, where claims of others are hollow: nothing that they send counts against it."""
-        self.certain = 0.0
-        """The part that we have for small samples whatever others say; none where nobody else sends."""
         self.told: SplitReport | None = None
         self.formation = Formation(now, strict=self.team.strict)
         self.meanwhile = Meanwhile()
@@ -217,7 +215,6 @@ class Coordination:
         self.keeps = self.hollow.keeps(now, self._view, limits, self.team)
         self.team.judge(now, limits, waiting, announcing, asked=asked, heeded=not self.keeps)
         self._view.audiences.take_alike(alike=self.team.agrees)
-        self.certain = TUNING.certain_part / self.team.robots if self.team.rivals else 0.0
         if self._split is not None:
             self._split.set_quiet(now, quiet=self.team.large or self.team.quiet)
         if self._all_equal:

@@ -166,11 +166,12 @@ class OthersSends:
         if limits != self._limits or retracted != traffic.retracted:
             self._decided, self._undecided, self._bulky, sends = SendLog(), SendLog(), SendLog(), 0
         self._limits, self._taken = limits, noted
-        for t, amount, _, decided in islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None):
-            use = self._counting(t, use_of(*amount, limits, own=False))
-            (self._decided if decided else self._undecided).add(t, use)
-            if decided and is_bulky(use, limits):
-                self._bulky.add(t, use)
+        new = list(islice(traffic.sends, max(0, len(traffic.sends) - noted[0] + sends), None))
+        uses = [(t, self._counting(t, use_of(*amount, limits, own=False))) for t, amount, *_ in new]
+        decided = [send for send, (*_, by_limits) in zip(uses, new, strict=True) if by_limits]
+        self._decided.add_all(decided)
+        self._undecided.add_all([send for send, (*_, by_limits) in zip(uses, new, strict=True) if not by_limits])
+        self._bulky.add_all([send for send in decided if is_bulky(send[1], limits)])
 
     def _counting(self, t: float, use: tuple[float, ...]) -> tuple[float, ...]:
         """Return what of the use of a message that was sent at `t` [s] counts against the limits in force."""

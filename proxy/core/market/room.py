@@ -7,7 +7,7 @@ their room costs: alarms.
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import accumulate
 
 from planner import Constraint
@@ -44,10 +44,18 @@ class SendLog:
 
     def add(self, t: float, use: tuple[float, ...]) -> None:
         """Something was sent at `t` [s]."""
-        place = bisect_right(self._times, t, lo=self._first)
-        self._times.insert(place, t)
-        self._uses.insert(place, use)
-        self._sum_up(place)
+        self.add_all(((t, use),))
+
+    def add_all(self, sends: Collection[Send]) -> None:
+        """These were sent, in any order: summed up once, for of many that are told late each is before all others."""
+        first = len(self._times)
+        for t, use in sends:
+            place = bisect_right(self._times, t, lo=self._first)
+            self._times.insert(place, t)
+            self._uses.insert(place, use)
+            first = min(first, place)
+        if sends:
+            self._sum_up(first)
 
     def replace(self, sends: Sequence[Send]) -> None:
         """These were sent instead, in their order."""

@@ -43,9 +43,9 @@ class News:
                 self._streams.forget(stream)
             elif stream is not None:
                 stream.assume(told)
-        for news, entry in peer.pending.named(peer.keys):
-            if entry is not None:
-                self._traffic.retract(entry)
+        named = peer.pending.named(peer.keys)
+        self._traffic.retract([entry for _, entry in named if entry is not None])
+        for news, _ in named:
             until = min(peer.offset.ours(news.t_generated), now)
             self._take(now, peer, peer.keys[news.id], news, until, counts=False)
 

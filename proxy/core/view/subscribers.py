@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable
 from functools import lru_cache
+from itertools import chain
 
 import zenoh
 
@@ -17,7 +18,11 @@ from proxy.core.view.tuning import TUNING
 @lru_cache(maxsize=65_536)
 def intersects(expression: str, key: str) -> bool:
     """Whether a subscription's key expression matches the key; an invalid one matches nothing."""
-    if expression.count("**") + expression.count("$*") > TUNING.wildcards:
+    return _intersects(expression, key)
+
+
+def _intersects(expression: str, key: str) -> bool:
+    if _takes_long(expression, key):
         return True
     one, other = _parsed(expression), _parsed(key)
     return one is not None and other is not None and bool(one.intersects(other))
@@ -32,10 +37,20 @@ def common(subscriptions: Collection[str], keys: Collection[str]) -> set[str]:
 
 def _narrower(expression: str, key: str) -> str:
     """Return the narrower of two expressions that have something in common; where neither is, the first."""
-    if expression.count("**") + expression.count("$*") > TUNING.wildcards:
+    if _takes_long(expression, key):
         return key
     one, other = _parsed(expression), _parsed(key)
     return key if one is None or other is None or one.includes(other) else expression
+
+
+def _takes_long(expression: str, key: str) -> bool:
+    """Whether Zenoh may take long to compare them: it tries each place of every wildcard but `*`, one in the other."""
+    deep, parts = expression.count("**"), expression.count("$*")
+    if deep + parts <= 1:
+        return False
+    chunks = key.split("/")
+    steps: int = len(chunks) ** deep * max(map(len, chunks)) ** parts
+    return deep + parts > TUNING.wildcards or steps > TUNING.compared_places
 
 
 @lru_cache(maxsize=16_384)
@@ -46,25 +61,32 @@ def _parsed(text: str) -> zenoh.KeyExpr | None:
         return None
 
 
+_By = dict[str, set[str]]
+"""Who subscribes to each key expression, by tag."""
+
+
 class Interest:
     """The subscriptions of all robots, which are named by their tags."""
 
     def __init__(self) -> None:
         self._of: dict[str, frozenset[str]] = {}
-        self._by: dict[str, set[str]] = {}
+        self._exact: _By = {}
+        self._patterns: _By = {}
+        """Those with wildcards; the others have none."""
         self._wanting: dict[tuple[str, str], tuple[str, ...]] = {}
 
     def set(self, tag: str, expressions: Iterable[str]) -> None:
         """The apps of a robot now subscribe to these key expressions, and no others."""
-        before, after = self._of.pop(tag, frozenset()), frozenset(expressions)
+        before, after = self._of.pop(tag, frozenset()), _told(expressions)
         if after:
             self._of[tag] = after
         for expression in before - after:
-            self._by[expression].discard(tag)
-            if not self._by[expression]:
-                del self._by[expression]
+            by = self._like(expression)
+            by[expression].discard(tag)
+            if not by[expression]:
+                del by[expression]
         for expression in after - before:
-            self._by.setdefault(expression, set()).add(tag)
+            self._like(expression).setdefault(expression, set()).add(tag)
         if before != after:
             self._wanting.clear()
 
@@ -74,14 +96,29 @@ class Interest:
         if found is None:
             if len(self._wanting) >= TUNING.keys_answered:
                 self._wanting.clear()
-            tags: set[str] = set().union(*(by for expression, by in self._by.items() if intersects(expression, key)))
+            tags = self._exact.get(key, set()).union(*(by for each, by in self._among(key) if _intersects(each, key)))
             found = self._wanting[key, publisher] = tuple(sorted(tags - {publisher}))
         return found
 
     def any_wanted(self, keys: Iterable[str], publisher: str) -> bool:
         """Whether any robot but the publisher subscribes to something that one of these key expressions matches."""
-        others = [expression for expression, by in self._by.items() if by != {publisher}]
-        return any(intersects(expression, key) for key in keys for expression in others)
+        return any(
+            intersects(expression, key) for key in keys for expression, by in self._among(key) if by != {publisher}
+        )
+
+    def _like(self, expression: str) -> _By:
+        return self._patterns if "*" in expression else self._exact
+
+    def _among(self, key: str) -> Iterable[tuple[str, Collection[str]]]:
+        """Return the expressions that have to be compared with a key or key expression, each with who subscribes."""
+        return chain(self._patterns.items(), self._exact.items() if "*" in key else ())
+
+
+def _told(expressions: Iterable[str]) -> frozenset[str]:
+    """Return what a robot subscribes to; of too many expressions with wildcards all is meant."""
+    told = frozenset(expressions)
+    exact = frozenset(each for each in told if "*" not in each)
+    return told if len(told) - len(exact) <= TUNING.patterns else exact | {"**"}
 
 
 NAMELESS = ("",)

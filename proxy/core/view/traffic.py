@@ -1,6 +1,7 @@
 """What goes on the air: how much this robot sent in all, and when other robots sent how much."""
 
-from collections import deque
+from collections import Counter, deque
+from collections.abc import Collection
 
 from proxy.core.model.limits import Limit
 from proxy.core.view.members import Members
@@ -62,12 +63,20 @@ class TrafficLog:
         """Robots tell so much [B], in so many copies, while it is more than they may: limits leave no room for it."""
         self.note_unknown(at, size, WORDS, copies)
 
-    def retract(self, entry: Entry) -> None:
-        """It is known now what stream that was: it counts as a sample of that."""
-        if entry in self.sends:
-            self.sends.remove(entry)
-            self.revision += 1
-            self.retracted += 1
+    def retract(self, entries: Collection[Entry]) -> None:
+        """It is known now what streams these were: they count as samples of those."""
+        leaving, before = Counter(entries), list(self.sends)
+        if not leaving:
+            return
+        self.sends.clear()
+        for each in before:
+            if leaving[each]:
+                leaving[each] -= 1
+            else:
+                self.sends.append(each)
+        gone = len(before) - len(self.sends)
+        self.revision += gone
+        self.retracted += gone
 
     def sent_since(self, since: float) -> list[Entry]:
         """What other robots sent since then."""

@@ -260,7 +260,6 @@ def test_room_grew_last_when_a_large_send_left_the_window(make_budget):
 def test_a_little_is_ours_whatever_others_say(make_budget):
     """An eighth of an equal part, for messages of a quarter of it at most; nothing of what is not shared."""
     budget, view = make_budget(BYTES, ENERGY, peers=4)
-    budget.coordination.certain = TUNING.certain_part / 5
     heard(view, 1.0, 1_000_000)
     for number in range(4):
         assert budget.lacking(1.1, (7.0, 0.1)) == ("bytes",)
@@ -274,10 +273,23 @@ def test_a_little_is_ours_whatever_others_say(make_budget):
     assert not budget.lacking(2.2, (6.0, 0.1))
 
 
+def test_that_little_is_ours_from_the_first_word_of_another_robot_until_nothing_counts_of_it(make_budget):
+    """Also once it has left: who came, claimed gigabytes and left had a tenth of all alarms dropped."""
+    budget, view = make_budget()
+    assert budget.certain_at(1.0, (6.0,)) == math.inf
+    heard(view, 1.0, 1_000_000)
+    assert not budget.lacking(1.0, (6.0,))
+    view.gone(1.1, "p0")
+    budget.coordination.set_members(1.1, ())
+    assert not budget.lacking(1.2, (6.0,))
+    view.sweep(60.0)
+    assert budget.certain_at(60.0, (6.0,)) == math.inf
+
+
 def test_when_that_little_has_room_is_known(make_budget):
     """As far as our own sends take it, and what is ours alone; never for what is not small."""
-    budget, _ = make_budget(BYTES, ENERGY, peers=4)
-    budget.coordination.certain = TUNING.certain_part / 5
+    budget, view = make_budget(BYTES, ENERGY, peers=4)
+    heard(view, 1.0, 1)
     assert budget.certain_at(1.1, (6.0, 0.05)) < 1.1
     budget.use(1.1, (20.0, 0.1))
     assert budget.certain_at(1.2, (6.0, 0.05)) == pytest.approx(2.1)

@@ -45,6 +45,15 @@ def test_samples_of_others_are_taken_to_leave_as_late_as_ours(make_budget):
     assert budget.others(1.96) == ((pytest.approx(1.02), (600.0,)), (1.96, (100.0,)))
 
 
+def test_many_late_sends_of_others_are_summed_up_once(make_budget):
+    """Each of thousands that a digest tells is before the later ones of which one knows: else each sums up those."""
+    budget, view = make_budget()
+    for number in range(1000):
+        heard(view, 2.0 - 0.001 * number, 1)
+    assert budget._others.used(0.0, 0, budget.limits) == 1000.0
+    assert budget._others._decided.changes <= 1
+
+
 def test_a_sample_that_leaves_under_other_limits_counts_under_these(make_budget):
     """From its decision."""
     budget, _ = make_budget()
@@ -115,7 +124,7 @@ def test_what_is_counted_of_others_is_what_they_sent(make_budget):
         now = 1.0 + 0.1 * step
         heard(view, now, 10 + step)
         if step % 11 == 0:
-            view.traffic.retract(view.traffic.note_unknown(now - 0.2, 500, "other"))
+            view.traffic.retract([view.traffic.note_unknown(now - 0.2, 500, "other")])
         if step == 20:
             budget.set_limits((COUNT, BYTES))
         for k, limit in enumerate(budget.limits):

@@ -72,6 +72,20 @@ def test_our_own_sends_say_the_same_without_a_sum(own, needed):
     assert OwnDepartures(log, 0.0).opens(limits, use) == Departures(sorted(log), ()).opens(limits, use)
 
 
+@given(SENDS, SENDS, st.floats(0.0, 2.0))
+def test_many_sends_at_once_are_summed_up_as_one_after_the_other(before, later, since):
+    """Whenever each was, and whatever is told of first."""
+    once, singly = SendLog(), SendLog()
+    once.add_all(sends(*before))
+    once.add_all(sends(*later))
+    for t, use in (*before, *later):
+        singly.add(t, (use,))
+    assert list(once) == list(singly)
+    assert once.used(since, 0) == singly.used(since, 0)
+    assert once.changes <= 2
+    assert singly.changes == len(before) + len(later)
+
+
 FRAME = 4000
 PACED = Limit("throughput", 0.5, 5000.0, Throughput(10_000.0, 0.5))
 PACED_SENDS = st.lists(st.tuples(st.floats(0.0, 5.0), st.tuples(st.floats(0.0, 5000.0))), max_size=8)

@@ -170,9 +170,38 @@ def test_answers_are_bounded(monkeypatch):
     assert len(kept._wanting) <= 10
 
 
+def test_of_too_many_expressions_with_wildcards_all_is_meant():
+    """Each of them would be compared with the key of each stream; those without are looked up."""
+    few, many, exact = (
+        [f"{letter}/{n}{end}" for n in range(1000)] for letter, end in (("a", "/*"), ("b", "/*"), ("c", ""))
+    )
+    kept = Interest()
+    kept.set("p", few[: subscribers.TUNING.patterns] + exact)
+    kept.set("q", many)
+    assert kept.wanting("a/5/x") == ("p", "q")
+    assert kept.wanting("a/999/x") == kept.wanting("c/1000") == ("q",)
+    assert kept.wanting("c/999") == ("p", "q")
+    kept.set("q", many[:2])
+    assert kept.wanting("a/999/x") == ()
+    assert kept.any_wanted(["c/*"], "q")
+    assert not kept.any_wanted(["c/*"], "p")
+
+
+def test_a_key_expression_as_a_key_is_compared_with_all():
+    """An application may publish on one: then whoever has something in common with it wants it."""
+    kept = Interest()
+    kept.set("p", ["a/b", "c/*"])
+    assert kept.wanting("a/*") == kept.wanting("*/b") == kept.wanting("a/b") == ("p",)
+    assert kept.wanting("b/*") == ()
+
+
 def test_expressions_that_take_ages_to_compare_are_not_compared():
     """Whoever asks so is taken to want everything."""
-    assert not intersects("**/a/**/a/**/b", "a/" * 100 + "c")
+    assert not intersects("**/a/**/a/**/b", "a/" * 20 + "c")
+    assert intersects("**/a/**/a/**/b", "a/" * 100 + "c")
+    assert not intersects("x/$*a$*a$*b", "x/" + "a" * 20)
+    assert intersects("x/$*a$*a$*b", "x/" + "a" * 200)
+    assert not intersects("x/$*b", "x/" + "a" * 1000)
     assert intersects("**/a/" * 30 + "b", "a/" * 100 + "c")
     assert intersects("x" + "$*a" * 30 + "b", "x" + "a" * 100 + "c")
 
