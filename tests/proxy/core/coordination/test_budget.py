@@ -300,7 +300,7 @@ def test_when_that_little_has_room_is_known(make_budget):
 
 def test_what_takes_much_of_what_is_ours_alone_is_not_small(make_budget):
     """Our own streams compete for that, so it is searched for, as by a robot that is alone."""
-    budget, _ = make_budget(ENERGY, peers=1)
-    budget.coordination.certain = TUNING.certain_part / 2
+    budget, view = make_budget(ENERGY, peers=1)
+    heard(view, 1.0, 1)
     assert budget.certain_at(1.1, (0.05,)) < 1.1
     assert budget.certain_at(1.1, (1.0,)) == math.inf
