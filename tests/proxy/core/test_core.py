@@ -1,5 +1,6 @@
 """The core as transcripts of events and commands."""
 
+import math
 from dataclasses import replace
 
 import pytest
