@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from proxy.core.protocol.messages import StreamDigest
-from proxy.core.transit.latency import Latency, LatencyFit, middle
+from proxy.core.transit.latency import Latency, LatencyFit, far_quicker, middle
 from proxy.core.transit.offset import ClockOffset
 from proxy.core.transit.outbound import Loss
 from proxy.core.transit.tuning import TUNING
@@ -174,7 +174,7 @@ class Inbound:
         if not self._offset.known or now < at + max(TUNING.unconfirmed_for, TUNING.unconfirmed_gaps * self._period):
             return
         line = self._samples.line
-        if line is not None and self._offset.latency < TUNING.quicker_ratio * line.of(size) - TUNING.quicker_by:
+        if line is not None and far_quicker(self._offset.latency, line.of(size)):
             self._samples = LatencyFit()
             self._unread.clear()
 

@@ -99,6 +99,28 @@ def test_a_size_that_is_seldom_sent_is_not_forgotten_because_of_the_others():
     assert fit.line == Latency(0.1, 0.0)
 
 
+def test_what_was_learnt_in_a_queue_is_forgotten_once_it_has_drained():
+    """Several in a row tell, of any size that came before; also of those that nobody sends any more."""
+    fit = fitted([(120, 1.2), (300, 1.3), (40_000, 1.5)] * 8)
+    for number, size in enumerate((300, 40_000)):
+        fit.observe(3.0 + number, size, 0.02)
+        assert fit.line.of(120) > 1.0
+    fit.observe(5.0, 300, 0.02)
+    assert fit.line.of(120) == pytest.approx(0.02)
+
+
+def test_that_one_came_quickly_does_not_tell_that_a_queue_has_drained():
+    """Those that come between must be quick, too, and by much."""
+    fit = fitted([(120, 0.3)] * 8)
+    for number in range(20):
+        fit.observe(2.0 + number, 120, 0.02 if number % 3 else 0.3)
+    assert len(fit._recent(fit._classes[7])) == TUNING.messages_of_a_size
+    fit = fitted([(120, 0.3)] * 8)
+    for number in range(3):
+        fit.observe(2.0 + number, 120, 0.15)
+    assert fit.line.fixed == pytest.approx(0.3)
+
+
 def test_the_weighted_median_halves_the_weight():
     """Between two values that share the middle lies their mean."""
     assert weighted_median([(1.0, 1.0), (2.0, 1.0)]) == 1.5
