@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import math
 import os
 import signal
 import subprocess
@@ -20,7 +21,6 @@ from proxy.bridge import keys, naming
 from proxy.bridge.broadcast import broadcast_options
 from proxy.bridge.sessions import zenoh_session
 from proxy.config import AppConfig, BridgeConfig, Config, MeshConfig, PlannerConfig
-from proxy.core.congestion.tuning import TUNING
 from proxy.core.model.mode import Mode
 from proxy.daemon import Daemon
 from proxy.errors import PortInUseError
@@ -31,6 +31,7 @@ from tests.proxy.jam import wait_for_jam
 from tests.proxy.nodes import STEADFAST, Heard, answers, closing, free_endpoint, plain_session
 from tests.waiting import wait_until
 from utility_specs import Specs, load_specs
+from utility_specs.constraint_tables import FLOOR
 
 SPECS = """
 [[constraint]]
@@ -240,12 +241,13 @@ def test_a_limit_becomes_adaptive_while_running(pair, tmp_path):
     wanted = Heard(pair[1].node(), "covered/a")
     publisher = pair[0].node().declare_publisher("covered/a")
     wait_until(lambda: publisher.matching_status.matching, what="the receiver")
+    begin = math.sqrt(FLOOR)
 
     def moved():
         for _ in range(20):
             publisher.put(bytes(2000))
         (limit,) = pair[0].status()["budget"]
-        return abs(limit["adaptive"]["in_force"] - TUNING.initial) > 0.02
+        return abs(limit["adaptive"]["in_force"] - begin) > 0.02
 
     wait_until(moved, what="another limit")
     wait_until(lambda: wanted.samples, what="a sample")

@@ -1,11 +1,11 @@
 """What this robot itself sees of the channel, by the digests that it sends and receives."""
 
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Collection, Iterable, Sequence
 from itertools import pairwise
+from operator import itemgetter
 from statistics import median
-
-import numpy as np
 
 from proxy.core.congestion.queue_delay import PathDelays, StandingQueue, standing_queue
 from proxy.core.congestion.tuning import TUNING
@@ -92,7 +92,9 @@ def _delivered(robots: Collection[Sequence[_Arrived]]) -> float | None:
 
 def _arrived(reports: Sequence[_Arrived], sent: int) -> float:
     """Return how many messages had arrived at a robot when so many had been sent."""
-    return float(np.interp(sent, [each[1] for each in reports], [each[2] for each in reports]))
+    place = min(max(bisect_left(reports, sent, key=itemgetter(1)), 1), len(reports) - 1)
+    (_, sent0, arrived0), (_, sent1, arrived1) = reports[place - 1], reports[place]
+    return arrived1 if sent1 == sent0 else arrived0 + (arrived1 - arrived0) * (sent - sent0) / (sent1 - sent0)
 
 
 _Counts = tuple[float, float, int, int]
