@@ -1,8 +1,10 @@
 """What counts against the limits: our own sends, and what we know others to have sent."""
 
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Sequence
 from itertools import islice
+from operator import itemgetter
 
 from proxy.core.coordination.tuning import TUNING
 from proxy.core.market.room import SendLog
@@ -86,7 +88,7 @@ class OthersSends:
         """Of those that somebody decided on, messages for which windows may be stretched."""
         self._limits: tuple[Limit, ...] = ()
         self._earlier: deque[tuple[float, Sequence[float]]] = deque(maxlen=TUNING.remembered_limits)
-        """When limits became others [s], and which part of the use of what was sent before counts against each."""
+        """When limits became others [s], and which part of the use of what was sent before counts against each now."""
         self._taken = 0, 0
         """How many sends there were so far, and how many had been retracted."""
 
@@ -99,6 +101,8 @@ class OthersSends:
     def begin_anew(self, now: float, parts: Sequence[float], limits: Sequence[Limit]) -> None:
         """Limits are others from now on: of what was sent before, such a part of its use counts against each."""
         self._ours.begin_anew(parts, limits)
+        for place, (at, before) in enumerate(self._earlier):
+            self._earlier[place] = at, _part(before, parts)
         self._earlier.append((now, parts))
         self._limits = ()
 
@@ -175,10 +179,8 @@ class OthersSends:
 
     def _counting(self, t: float, use: tuple[float, ...]) -> tuple[float, ...]:
         """Return what of the use of a message that was sent at `t` [s] counts against the limits in force."""
-        for at, parts in self._earlier:
-            if t < at:
-                use = _part(use, parts)
-        return use
+        place = bisect_right(self._earlier, t, key=itemgetter(0))
+        return _part(use, self._earlier[place][1]) if place < len(self._earlier) else use
 
 
 def _part(use: Sequence[float], parts: Sequence[float]) -> tuple[float, ...]:

@@ -117,8 +117,9 @@ class CoordinationTuning:
     """How long large samples take to leave: the last has this weight unless it took longer."""
     stretched_windows: float = 16.0
     """Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
-    remembered_limits: int = 16
-    """So many times limits may become others while what was sent before still counts."""
+    remembered_limits: int = 256
+    """So many times limits may become others while what was sent before still counts: some times a second where they
+    follow the channel."""
     beside_bulky: float = 0.25
     """A window is stretched for a message that would fit alone if what is sent beside takes no larger part of a limit
     (`Stretch.weigh`)."""

@@ -80,7 +80,9 @@ class LatencyFit:
 
     def _notice_drained(self, now: float, alike: deque[_Taken], time: float) -> None:
         """Take in that a message came at `now`, and whether it was far quicker than those that are `alike` by size."""
-        if len(alike) < TUNING.fewest_messages or not far_quicker(time, middle([each.time for each in alike])):
+        if len(alike) < TUNING.fewest_messages:
+            return
+        if not far_quicker(time, middle([each.time for each in alike])):
             self._quick.clear()
             return
         self._quick.append(now)

@@ -82,7 +82,8 @@ def test_under_a_limit_that_follows_the_channel_what_was_sent_stays_the_part_of_
     budget.use(1.0, (600.0,), 1)
     heard(view, 1.1, 200)
     assert budget.free(1.2) == pytest.approx([200.0])
-    for now, part in ((1.2, 0.3), (1.3, 0.5), (1.4, 1.0)):
+    often = [(1.2 + 0.001 * n, 0.3 + 0.1 * (n % 7)) for n in range(100)]
+    for now, part in (*often, (1.3, 0.5), (1.4, 1.0)):
         budget.set_limits((replace(adaptive, limit=part * adaptive.limit),), now)
         assert budget.used(now, 0) == pytest.approx(600.0 * part)
         assert budget.free(now) == pytest.approx([200.0 * part])
