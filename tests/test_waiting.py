@@ -15,6 +15,15 @@ def test_what_never_comes_true_fails_with_its_name():
         wait_until(lambda: False, timeout=0.01, what="the moon")
 
 
+def test_what_did_not_come_true_may_tell_how_things_are():
+    """As of when it failed."""
+    phases = []
+    with pytest.raises(AssertionError, match="phase 3 did not come true within"):
+        wait_until(
+            lambda: phases.append("seen") or len(phases) > 3, timeout=-1.0, what=lambda: f"phase {len(phases) + 2}"
+        )
+
+
 def test_the_condition_is_asked_at_least_once():
     """Even when there is no time at all."""
     wait_until(lambda: True, timeout=0.0)

@@ -9,10 +9,13 @@ MOST = 10.0
 """How many times longer than asked for a wait may take: what never comes must fail some time."""
 
 
-def wait_until(condition: Callable[[], object], timeout: float = 60.0, what: str = "the condition") -> None:
+def wait_until(
+    condition: Callable[[], object], timeout: float = 60.0, what: str | Callable[[], str] = "the condition"
+) -> None:
     """Return as soon as `condition` holds; fail with `what` when it does not in `timeout` seconds of a usual machine.
 
-    Where the machine turns out to be slow when these are over, it is given as many times longer.
+    Where the machine turns out to be slow when these are over, it is given as many times longer. `what` may be asked
+    then: it tells how things are.
     """
     started = time.monotonic()
     allowed = timeout
@@ -21,7 +24,8 @@ def wait_until(condition: Callable[[], object], timeout: float = 60.0, what: str
         if waited > allowed:
             allowed = max(allowed, timeout * slowness())
             if waited > allowed:
-                raise AssertionError(f"{what} did not come true within {waited:.0f} s")
+                told = what() if callable(what) else what
+                raise AssertionError(f"{told} did not come true within {waited:.0f} s")
         time.sleep(0.005)
 
 

@@ -241,13 +241,17 @@ def test_a_sample_that_a_router_relays_costs_the_way_to_it_and_to_each_robot(sta
         speaker.put("a", b"x")
         return demand.copies("a")
 
+    def told(what):
+        wanting = {robot.name: robot.daemon._bridge.describe()["subscriptions"] for robot in robots}
+        return f"{what}: {cost()} copies, for {demand.wanting('a')}, of {wanting}:"
+
     operator = Heard(node(stack, meeting.endpoint), "a")
-    wait_until(lambda: cost() == 1 and operator.samples, what="the operator")
+    wait_until(lambda: cost() == 1 and operator.samples, what=lambda: told("the operator"))
     listeners = [Heard(robot.app(), "a") for robot in robots[1:]]
-    wait_until(lambda: cost() == 3, what="two robots")
+    wait_until(lambda: cost() == 3, what=lambda: told("two robots"))
     operator.subscriber.undeclare()
     listeners[0].subscriber.undeclare()
-    wait_until(lambda: cost() == 2, what="one robot")
+    wait_until(lambda: cost() == 2, what=lambda: told("one robot"))
 
 
 def test_an_application_that_scouts_finds_the_daemon_and_is_said_when_others_can_find_it(stack):
