@@ -74,11 +74,12 @@ study: setup .venv/ns3
 	$(BIN)/sendworthy bench --policy studies.bench.example:Faded $(if $(QUICK),--missions paper-mixed) \
 	    --leaderboard $(if $(QUICK),build/study/quick,studies)/results/leaderboard.md
 
-# What teams reach on bad networks and with real traffic: writes studies/results/view.md, traffic.md, drawn.md,
+# What teams reach on bad networks and with real traffic: writes studies/results/view.md, traffic.md, unknown.md, drawn.md,
 # drawn_unequal.md and drawn_audiences.md anew. The second takes hours, and says how many at first.
 study-traffic: setup
 	$(BIN)/python -m studies.benchmarks view
 	$(BIN)/python -m studies.simulation.traffic --output studies/results/traffic.md
+	$(BIN)/python -m studies.simulation.traffic.unknown --output studies/results/unknown.md
 	$(BIN)/python -m studies.simulation.traffic.drawn --output studies/results/drawn.md
 	$(BIN)/python -m studies.simulation.traffic.drawn --unequal --seconds 110 --output studies/results/drawn_unequal.md
 	$(BIN)/python -m studies.simulation.traffic.drawn --unequal --audiences --seconds 60 \
