@@ -95,7 +95,7 @@ class Declarations:
                 self._table.remove(kind, {name: entry for name, entry in told.items() if entry[0] in found})
 
     def ask_witnesses(self) -> bool:
-        """Whether somebody subscribes by now to what only we did: the wire tells that a moment later."""
+        """Whether somebody wants by now what only we did, or nobody does any more: the wire tells a moment later."""
         return self._witnesses.ask()
 
     def unsettled(self, tokens: Collection[str]) -> bool:

@@ -53,11 +53,15 @@ class Witnesses:
         return {name: False for name in told if self._known.get(name, True)}
 
     def ask(self) -> bool:
-        """Ask all that know of nobody; return whether one of them does now. What turns them is told a moment later."""
-        silent = {name for name, known in self._known.items() if not known}
-        self._turned |= silent
+        """Ask all that know of nobody, and hear those that turned; return whether any knows otherwise than before.
+
+        What turns them is told a moment later. Whoever asks takes what `others` would have found to be new: when that
+        somebody had left was not passed on, what had been mirrored for it stayed for good, and its copies on the air.
+        """
+        before = dict(self._known)
+        self._turned |= {name for name, known in self._known.items() if not known}
         self._hear()
-        return any(self._known[name] for name in silent)
+        return self._known != before
 
     def close(self) -> None:
         """Let all witnesses go."""

@@ -125,15 +125,14 @@ class CongestionControl:
 
     def _react_to_congestion(self, now: float, receivers: Collection[str], bearable: float) -> str:
         settled = max(limit.aimd.settled_at for limit in self._limits)
-        new = self._standing(now, receivers, settled, bearable)
-        if new is not None and new.delay > bearable:
+        new = cause = self._standing(now, receivers, settled, bearable)
+        if all(limit.aimd.outgrown(self.queue_delay) for limit in self._limits):
+            cause = self.queue
+        if cause is not None and cause.delay > bearable:
             self._trial = None
-            self._decrease(now, new)
+            self._decrease(now, cause)
             return "delay"
-        if self.queue is not None and self.queue_delay > bearable:
-            if all(limit.aimd.outgrown(self.queue_delay) for limit in self._limits):
-                self._decrease(now, self.queue)
-                return "delay"
+        if self.queue_delay > bearable:
             for limit in self._limits:
                 limit.aimd.extend_drain(now, self.queue_delay)
             return "draining"

@@ -117,7 +117,7 @@ class CoordinationTuning:
     """How long large samples take to leave: the last has this weight unless it took longer."""
     stretched_windows: float = 16.0
     """Sends are remembered for so many windows at most: the window of a larger message is not stretched further."""
-    remembered_limits: int = 256
+    remembered_limits: int = 512
     """So many times limits may become others while what was sent before still counts: some times a second where they
     follow the channel."""
     beside_bulky: float = 0.25

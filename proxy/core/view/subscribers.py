@@ -46,11 +46,11 @@ def _narrower(expression: str, key: str) -> str:
 def _takes_long(expression: str, key: str) -> bool:
     """Whether Zenoh may take long to compare them: it tries each place of every wildcard but `*`, one in the other."""
     deep, parts = expression.count("**"), expression.count("$*")
-    if deep + parts <= 1:
-        return False
+    if not 1 < deep + parts <= TUNING.wildcards:
+        return deep + parts > TUNING.wildcards
     chunks = key.split("/")
     steps: int = len(chunks) ** deep * max(map(len, chunks)) ** parts
-    return deep + parts > TUNING.wildcards or steps > TUNING.compared_places
+    return steps > TUNING.compared_places
 
 
 @lru_cache(maxsize=16_384)
@@ -96,7 +96,7 @@ class Interest:
         if found is None:
             if len(self._wanting) >= TUNING.keys_answered:
                 self._wanting.clear()
-            tags = self._exact.get(key, set()).union(*(by for each, by in self._among(key) if _intersects(each, key)))
+            tags = set().union(*(by for each, by in self._among(key) if _intersects(each, key)))
             found = self._wanting[key, publisher] = tuple(sorted(tags - {publisher}))
         return found
 
@@ -111,7 +111,8 @@ class Interest:
 
     def _among(self, key: str) -> Iterable[tuple[str, Collection[str]]]:
         """Return the expressions that have to be compared with a key or key expression, each with who subscribes."""
-        return chain(self._patterns.items(), self._exact.items() if "*" in key else ())
+        exact = self._exact if "*" in key else {key: self._exact[key]} if key in self._exact else {}
+        return chain(self._patterns.items(), exact.items())
 
 
 def _told(expressions: Iterable[str]) -> frozenset[str]:

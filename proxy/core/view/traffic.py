@@ -70,7 +70,7 @@ class TrafficLog:
             return
         self.sends.clear()
         for each in before:
-            if leaving[each]:
+            if leaving.get(each, 0):
                 leaving[each] -= 1
             else:
                 self.sends.append(each)

@@ -124,7 +124,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
-    add("--seeds", type=int, default=4, help="flights for each row (default: 4)")
+    add("--seeds", type=int, default=3, help="flights for each row (default: 3)")
     add("--seconds", type=float, default=30.0, help="of a flight, 5 s of warm-up included (default: 30)")
     add("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: one for each core)")
     add("--output", type=Path, help="write the table there, as a Markdown page")

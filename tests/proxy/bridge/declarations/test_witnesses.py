@@ -72,6 +72,19 @@ def test_who_asks_need_not_wait_for_the_turn_to_be_told(stack, nodes):
     del heard, theirs
 
 
+def test_who_asks_is_told_that_somebody_left(nodes, witnesses, turns):
+    """What nobody wants any more is no less news than what somebody wants: nothing else will tell of it."""
+    ours, theirs = Heard(nodes[0], "a/b"), Heard(nodes[1], "a/b")
+    wait_until(lambda: witnesses.others(told("a/b"), {"a/b"}, 0.0) == told("a/b"), what="the other node")
+    turns.clear()
+    theirs.subscriber.undeclare()
+    wait_until(lambda: turns, what="the turn")
+    assert witnesses.ask()
+    assert not witnesses.waiting
+    assert witnesses.others(told("a/b"), {"a/b"}, 0.0) == {}
+    del ours
+
+
 def test_narrower_subscribers_are_not_taken_for_ours(nodes, witnesses):
     """Others that want less than we declare do not make it theirs."""
     narrower = [Heard(nodes[1], key) for key in ("a", "a/b", "a/*/c", "*/b", "**/d")]

@@ -184,6 +184,8 @@ def test_of_too_many_expressions_with_wildcards_all_is_meant():
     kept.set("q", many[:2])
     assert kept.wanting("a/999/x") == ()
     assert kept.any_wanted(["c/*"], "q")
+    assert kept.any_wanted(["c/7"], "q")
+    assert not kept.any_wanted(["c/1000"], "q")
     assert not kept.any_wanted(["c/*"], "p")
 
 
