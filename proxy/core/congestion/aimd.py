@@ -90,9 +90,9 @@ class Aimd:
         self._drain_factor = 1.0
         self._decreased_at = now
         self._explained = 0.0
-        """A queue may be so long because of what was sent before our last decrease [s]. What others decrease for explains
-        none: taken to explain any, cameras under a ceiling of 50 times what the radio bears reached 70 % of a right
-        limit's utility, and reach 89."""
+        """A queue may be so long because of what was sent before our last decrease [s]. What others decrease for
+        explains none: taken to explain any, cameras under a ceiling of 50 times what the radio bears reached 70 % of a
+        right limit's utility, and reach 89."""
 
     def set_floor(self, floor: float) -> None:
         """The least part of the ceiling is another one under new specs."""
