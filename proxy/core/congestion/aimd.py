@@ -129,7 +129,7 @@ class Aimd:
         radio bears was 4 times of it after 30 s, behind a queue of 13 s.
         """
         failed = not self._slow_start and now < self.settled_at + TUNING.failed_within
-        deepest = TUNING.deepest_decrease * min(1.0, TUNING.certain_delay / max(delay, 1e-9))
+        deepest = TUNING.deepest_decrease * TUNING.certain_delay / max(delay, TUNING.certain_delay)
         factor = min(max(TUNING.below_delivered * share, deepest), TUNING.mildest_decrease)
         self._lower(min(factor * used, (TUNING.repeated_decrease if failed else factor) * self.estimate))
         self._drain(now, delay, share)

@@ -31,10 +31,9 @@ class DeliveryRatio:
 
     def note(self, now: float, sent: int, peer: str, received: int) -> None:
         """When we had sent so many messages so far, copies counted, a peer had received so many of them."""
-        reports = self._reports.setdefault(peer, deque(maxlen=TUNING.remembered))
-        if reports and received < reports[-1][2]:
+        if (before := self._reports.get(peer)) is not None and received < before[-1][2]:
             self.forget(peer)
-            reports = self._reports.setdefault(peer, deque(maxlen=TUNING.remembered))
+        reports = self._reports.setdefault(peer, deque(maxlen=TUNING.remembered))
         reports.append((now, sent, received))
         while len(reports) > 2 and reports[1][0] <= now - 2.0 * TUNING.ratio_span:
             reports.popleft()
