@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import SequenceMatcher
-from functools import cache
+from functools import cache, lru_cache
 
 import zenoh
 
@@ -54,7 +54,10 @@ def nearest(key: str, expressions: Iterable[str], most: int) -> tuple[Near, ...]
 def _apart(key: list[str], expression: list[str]) -> _Apart:
     """Return by what a key misses an expression: the least that has to be changed, chunk by chunk."""
     named = sum("*" not in chunk for chunk in expression)
-    if max(len(key), len(expression)) > LONGEST:
+    any_number = expression.count("**")
+    missing = len(expression) - any_number - len(key)
+    too_many = 0 if any_number else -missing
+    if max(len(key), len(expression)) > LONGEST or max(missing * min(MISSING), too_many) >= FAR:
         return _Apart(FAR)
 
     @cache
@@ -78,6 +81,7 @@ def _apart(key: list[str], expression: list[str]) -> _Apart:
     return found if found.cost < max(1, named) else _Apart(FAR)  # or nothing that has a name is alike
 
 
+@lru_cache(maxsize=4096)  # of thousands of expressions most have the same chunks
 def _unlike(chunk: str, wanted: str) -> tuple[float, str]:
     """Return how unlike a chunk is to what is wanted, from 0 to 1, and say so."""
     if zenoh.KeyExpr(wanted).includes(zenoh.KeyExpr(chunk)):
