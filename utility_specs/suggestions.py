@@ -1,10 +1,13 @@
 """Hints for misspelt words, and values as the reader wrote them."""
 
 from collections.abc import Iterable
+from itertools import islice
 
 LONGEST_QUOTE = 40
 """Characters of a wrong value that a message repeats."""
 
+MOST_LISTED = 64
+"""Known words that a hint lists: a team may have thousands of types."""
 
 LONGEST_NUMBER = 64
 """Bits of the largest whole number that a message repeats; Python refuses to print really large ones."""
@@ -22,14 +25,15 @@ def listed(words: Iterable[str]) -> str:
 
 
 def hint(word: str, known: Iterable[str], what: str = "known") -> str:
-    """Return ` (did you mean "…"?)` when a known word is close, else all known words, else nothing."""
+    """Return ` (did you mean "…"?)` when a known word is close, else the known words, else nothing."""
     from difflib import get_close_matches
 
     words = {candidate.lower(): candidate for candidate in known}
     close = get_close_matches(word.lower()[:LONGEST_QUOTE], words, n=1)
     if close:
         return f" (did you mean {quoted(words[close[0]])}?)"
-    return f" ({what}: {listed(words.values())})" if words else ""
+    more = f" and {len(words) - MOST_LISTED} more" if len(words) > MOST_LISTED else ""
+    return f" ({what}: {listed(islice(words.values(), MOST_LISTED))}{more})" if words else ""
 
 
 def described(value: object) -> str:

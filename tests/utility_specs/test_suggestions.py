@@ -42,3 +42,10 @@ def test_without_a_close_word_all_are_listed():
     """A reader who is far off sees the whole choice, if there is one."""
     assert hint("zzz", ["red", "blue"], "known keys") == ' (known keys: "red", "blue")'
     assert hint("zzz", []) == ""
+
+
+def test_of_very_many_known_words_a_hint_lists_some():
+    """And says how many more there are."""
+    told = hint("zzz", [f"name{i}" for i in range(1000)])
+    assert told.startswith(' (known: "name0", "name1", ')
+    assert told.endswith('"name63" and 936 more)')
