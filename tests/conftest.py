@@ -8,13 +8,27 @@ from pathlib import Path
 import numpy as np  # noqa: F401 - first: a daemon loads it on a thread, and pytest.approx looks at it half loaded
 import pytest
 import zenoh
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
-# The same examples each time: a failure is what the last change did. New ones are tried by `make qualify`.
-settings.register_profile("default", deadline=None, max_examples=12, derandomize=True)
-settings.register_profile("full", deadline=None, max_examples=50, derandomize=True)
-settings.register_profile("qualify", deadline=None, max_examples=3000)
+# The same examples each time: a failure is what the last change did. New ones are tried by `make qualify`. How long
+# anything takes fails no test.
+timeless = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("default", timeless, max_examples=12, derandomize=True)
+settings.register_profile("full", timeless, max_examples=50, derandomize=True)
+settings.register_profile("qualify", timeless, max_examples=3000)
 settings.load_profile("default")
+
+
+def pytest_sessionstart():
+    """Have Hypothesis draw the same for a test, whatever ran before it.
+
+    It draws constants of our modules that are loaded by then, which for each process are others, and reads them all for
+    the first example: in a fresh clone, on a busy machine and under coverage, that took half a minute.
+    """
+    if settings.get_current_profile_name() != "qualify":
+        assert callable(providers._get_local_constants)
+        providers._get_local_constants = lambda: providers._local_constants
 
 
 def give_threads():

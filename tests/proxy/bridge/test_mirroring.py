@@ -315,8 +315,8 @@ def test_any_verbatim_chunk_crosses(pair):
 def test_late_joiners_miss_nothing_and_hear_nothing_twice(pair, local):
     """History and live samples of a fast publisher join without a gap, for one late joiner after the other.
 
-    Also when an app beside the publisher subscribes to the same. What is published meanwhile is bounded: Zenoh waits ten
-    seconds for a history, and of what a busy machine needs longer for it loses the rest.
+    Also when an app beside the publisher subscribes to the same. What is published meanwhile is bounded: Zenoh waits
+    ten seconds for a history, and of what a busy machine needs longer for it loses the rest.
     """
     here = [Heard(pair[1].node(), "fast/a")] if local else []
     publisher = zenoh.ext.declare_advanced_publisher(
