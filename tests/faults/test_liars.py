@@ -10,9 +10,11 @@ from tests.waiting import wait_until
 
 pytestmark = pytest.mark.full
 KEY = "camera/liar"
-SMALL, SMALL_PART = "camera/small", 0.9
-"""What each robot has room for whatever is claimed, and how much of that comes at least: until a liar is found out,
-after some 2 s, up to half finds no room beside what the robot itself sent before (0.93 to 0.98 of some 65 in all)."""
+SMALL = "camera/small"
+"""What each robot has room for whatever is claimed."""
+SMALL_AT_FIRST, SMALL_PART = 0.75, 0.95
+"""How much of that comes at least until a liar is found out and all have their parts again, and from then on. At first,
+for some 2 s, longer on a busy machine, up to half finds no room beside what the robot itself sent before."""
 SHARE = 0.9 / 3
 """Of three robots, less what news and whole samples take of it."""
 LIMIT, SIZE, RATE = 50_000, 500, 50
@@ -74,11 +76,14 @@ def test_beside_a_liar_each_robot_keeps_its_share(play, stack, kind):
         now, begun = speaker.said, voice.said
         wait_until(lambda: urgent.last > now, what="what bypasses")
         wait_until(lambda: kept(scene), 60.0, "an equal part")
+        found_out = voice.said
+        wait_until(lambda: kept(scene), 60.0, "the equal part that it keeps")
         said = voice.said
         wait_until(lambda: small.last >= said, what="what was on its way")
-        part = sum(begun <= number < said for number in small.heard) / (said - begun)
-        print(f"{part:.2f} of the small samples came")
-        assert part >= SMALL_PART, "a liar cost small samples"
+        parts = [came(small, *times) for times in ((begun, found_out), (found_out, said))]
+        print(f"{parts[0]:.2f} of the small samples came at first, then {parts[1]:.2f}")
+        assert parts[0] >= SMALL_AT_FIRST, "a liar cost small samples until it was found out"
+        assert parts[1] >= SMALL_PART, "a liar that was found out cost small samples"
     voice.stop()
     puppet.close()
     scene.meet()
@@ -87,6 +92,11 @@ def test_beside_a_liar_each_robot_keeps_its_share(play, stack, kind):
     wait_until(lambda: urgent.last == speaker.said - 1, what="the last of what bypasses")
     assert len(urgent.heard) >= speaker.said - first, "what bypasses was held up"
     scene.finish(most=scene.stop() + speaker.said + voice.said)
+
+
+def came(numbers, first, end):
+    """Return how much came of the samples from the number `first` on to before `end`."""
+    return sum(first <= number < end for number in numbers.heard) / (end - first)
 
 
 def kept(scene):
