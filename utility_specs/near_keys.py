@@ -54,10 +54,7 @@ def nearest(key: str, expressions: Iterable[str], most: int) -> tuple[Near, ...]
 def _apart(key: list[str], expression: list[str]) -> _Apart:
     """Return by what a key misses an expression: the least that has to be changed, chunk by chunk."""
     named = sum("*" not in chunk for chunk in expression)
-    any_number = expression.count("**")
-    missing = len(expression) - any_number - len(key)
-    too_many = 0 if any_number else -missing
-    if max(len(key), len(expression)) > LONGEST or max(missing * min(MISSING), too_many) >= FAR:
+    if max(len(key), len(expression)) > LONGEST:
         return _Apart(FAR)
 
     @cache
