@@ -14,8 +14,12 @@ from utility_specs.names import Name
 from utility_specs.units import FRACTION, RATE, Duration, Fraction, Joule, Rate
 
 ADAPTIVE = "adaptive"
-FLOOR = 0.05
-"""The floor of an adaptive limit unless one is set, as a part of its ceiling."""
+FLOOR = 0.002
+"""The floor of an adaptive limit unless one is set, as a part of its ceiling.
+
+It has to be less than what the radio carries at its worst: with 5 %, and a ceiling of 50 times what the radio carried,
+nothing came through for good, as that was two and a half times too much (simulation).
+"""
 
 
 def _or_adaptive(parse: Callable[[Any], float]) -> Callable[[Any], float | str]:
@@ -76,7 +80,7 @@ class ThroughputTable(ChannelTable):
         float | Literal["adaptive"], BeforeValidator(_or_adaptive(RATE.parse), json_schema_input_type=str)
     ] = Field(description="the rate at most, or adaptive: it follows the channel", examples=["2 Mbit/s", "adaptive"])
     floor: Rate | None = Field(
-        default=None, description="what an adaptive limit never falls below; 5 % of the ceiling unless it is given"
+        default=None, description="what an adaptive limit never falls below; 0.2 % of the ceiling unless it is given"
     )
     ceiling: Rate | None = Field(
         default=None, description="the most that the channel can carry at its best; an adaptive limit needs it"
@@ -114,7 +118,7 @@ class AirtimeTable(ChannelTable):
         float | Literal["adaptive"], BeforeValidator(_or_adaptive(FRACTION.parse), json_schema_input_type=float | str)
     ] = Field(description="the part of the time at most, or adaptive: it follows the channel", examples=["40 %"])
     floor: Fraction | None = Field(
-        default=None, description="what an adaptive limit never falls below; 5 % of the ceiling unless it is given"
+        default=None, description="what an adaptive limit never falls below; 0.2 % of the ceiling unless it is given"
     )
     ceiling: Fraction | None = Field(
         default=None, description="the most that the channel can carry at its best; an adaptive limit needs it"

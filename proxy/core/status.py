@@ -69,6 +69,7 @@ def report(
             *cast_warnings(core.budget.limits, core.settings.transport),
             *digest_warnings(core.budget.limits, core.view.members.speaking + 1),
             *core.view.clocks.warnings(),
+            *core.channel.capacity.warnings(),
         ],
         "malformed": sum(count for kind, count in refused.items() if not kind.endswith(UNDERSTOOD)),
         "other_version": sum(count for kind, count in refused.items() if kind.endswith(OTHER_VERSION)),

@@ -45,7 +45,7 @@ def test_good_specs_are_summed_up(tmp_path):
         (
             'kind = "airtime"\nlimit = "adaptive"\nceiling = "40 %"\nrate = "8 Mbit/s"\n',
             "200 ms on the air in any 0.5 s (40 %; adhoc, unicast, 8 Mbit/s, 1 hop; 1 kB takes 1.36 ms); "  # noqa: ISC004
-            "adaptive, down to 5 % of it",
+            "adaptive, down to 0.2 % of it",
         ),
         (
             'kind = "energy"\nlimit = "0.5 J"\nwindow = 10\nper_byte = "2 uJ"\nper_message = "1 mJ"\n',

@@ -67,7 +67,7 @@ def test_guarantees_of_all_types_add_up(find):
         [],
         [
             (
-                "3: constraint #1: limit: at its floor, 5 % of the ceiling, is less than what is guaranteed: "
+                "3: constraint #1: limit: at its floor, 0.2 % of the ceiling, is less than what is guaranteed: "
                 '"camera" (30 %), "scan" (30 %)'
             )
         ],

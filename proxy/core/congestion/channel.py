@@ -120,6 +120,18 @@ class Capacity:
             "reason": self._control.reason,
         }
 
+    def warnings(self) -> list[str]:
+        """Name every limit of which the channel does not bear the floor: a long queue stands though it is in force."""
+        delay = self._control.queue_delay
+        if delay < TUNING.hopeless_delay:
+            return []
+        return [
+            f'constraint "{limit.ceiling.name}": the channel does not carry its floor, what is sent waits for '
+            f"{delay:.0f} s: set a lower one"
+            for limit in self._limits
+            if limit.lasting <= limit.ceiling.least
+        ]
+
     def _take_effect(self) -> None:
         self.factors = tuple(limit.in_force for limit in self._limits)
         self.due_at = self._looked_at + TUNING.look_interval if self._limits else math.inf
@@ -186,7 +198,7 @@ class Channel:
         parts = [self._parts(stream) for stream in streams]
         windows = [limit.window / part for limit, part in zip(self._adaptive, self.capacity.factors, strict=True)]
         return Traffic(
-            dropped=dropped + sum(stream.generated - stream.forwarded for stream in others),
+            dropped=dropped + sum(stream.unsent for stream in others),
             receivers=receivers,
             longest=max((part * time for each in parts for part, time in zip(each, windows, strict=True)), default=0.0),
             each=tuple(sum(each[k] for each in parts) for k in range(len(windows))),

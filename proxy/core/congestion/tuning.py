@@ -75,6 +75,8 @@ class CongestionTuning:
     """At least so many times tell of a queue, of so many paths where there are as many,"""
     standing_apart: float = 0.1
     """and they span this time: robots speak at the same moment when something happens."""
+    hopeless_delay: float = 2.0
+    """Where the floor is in force and a queue is as long as this, an operator is told."""
     delays_remembered: int = 512
     """One-way times remembered of one direction."""
 

@@ -103,6 +103,8 @@ class Stream:
     began: float = 0.0
     """When the first sample was generated that we know of [s]."""
     forwarded: int = 0
+    unsent: int = 0
+    """The most samples that its robot told of and had not sent, be they dropped or undecided then."""
     last: Generated | None = None
     sent: Sent | None = None
     recent: deque[Sent] = field(default_factory=lambda: deque(maxlen=TUNING.sends_of_stream))
@@ -208,6 +210,7 @@ class Stream:
 
         What was sent before we overheard any does not count; where it stays less than we know, its robot knows better.
         """
+        self.unsent = max(self.unsent, self.generated - count)
         if self.overheard:
             self.overheard = False
             self.forwarded = max(self.forwarded, count if heard else count - 1)

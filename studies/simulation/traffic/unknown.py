@@ -23,12 +23,13 @@ from studies.simulation.traffic.missions import draw_from
 from studies.simulation.traffic.scores import Score, score
 from studies.simulation.traffic.workloads import WORKLOADS, Workload
 from utility_specs import Specs
+from utility_specs.constraint_tables import FLOOR
 
 TEAMS = (("mixed", 2), ("mixed", 4), ("cameras", 4), ("random", 5))
 CEILINGS = (2.0, 6.0, 50.0)
 """In what the radio carries: who writes one takes the best that it can do."""
-FLOOR, RIGHT = 0.2, 0.95
-"""The floor of adaptive limits, and a limit that is right, as parts of what the radio carries."""
+RIGHT = 0.95
+"""A limit that is right, as a part of what the radio carries."""
 LATENCY, LOSS = 0.01, 0.01
 """Beside what waits [s], and part of what is sent."""
 Row = tuple[str, ...]
@@ -55,9 +56,12 @@ class Flight:
 
 
 def under(workload: Workload, ceiling: float) -> Specs:
-    """Return the specs of a workload under a limit with such a ceiling; under the right one, if that is 0."""
+    """Return the specs of a workload under a limit with such a ceiling; under the right one, if that is 0.
+
+    It has no floor but the usual one: to write a better one takes knowing the channel.
+    """
     rate = workload.rate
-    adaptive = f'"adaptive"\nceiling = "{ceiling * rate!r} B/s"\nfloor = "{FLOOR * rate!r} B/s"'
+    adaptive = f'"adaptive"\nceiling = "{ceiling * rate!r} B/s"'
     limit = adaptive if ceiling else f'"{RIGHT * rate!r} B/s"'
     return specs_of(workload.spec().replace(f'"{rate!r} B/s"', limit, 1))
 
@@ -97,8 +101,8 @@ def table(found: Sequence[Row], seeds: int, seconds: float) -> Table:
     note = (
         f"{seeds} flights of {seconds:g} s for each row, the first 5 s not scored; {LATENCY * 1e3:g} ms, {LOSS:.0%}"
         " lost. The radio carries the rate that the workload's limit says, and what is sent beyond it waits."
-        f" Ceilings in what it carries, with a floor of {FLOOR:g} of that; right: a fixed limit of {RIGHT:g} of it."
-        " Small: of samples of 400 B at most, so many were sent, and so old they arrived."
+        f" Ceilings in what it carries, with the usual floor, {FLOOR:.1%} of them; right: a fixed limit of {RIGHT:g} of"
+        " it. Small: of samples of 400 B at most, so many were sent, and so old they arrived."
     )
     return Table("Limits that follow the channel, on real traffic", COLUMNS, tuple(found), note)
 

@@ -28,6 +28,7 @@ from proxy.core.protocol.messages import Digest, Echo, State, StreamDigest, Stre
 from proxy.core.view.tuning import TUNING as VIEW
 from tests.proxy.core.streams import periodic, poisson
 from tests.proxy.core.talk import ALL_KINDS, SPEC, UNLIMITED, only
+from utility_specs.constraint_tables import FLOOR
 
 
 def test_a_sample_is_decided_and_forwarded(make_talk):
@@ -531,7 +532,7 @@ def test_an_adaptive_limit_follows_the_channel(make_talk, make_specs):
     assert adaptive["ceiling"] == pytest.approx(95_000.0)
     assert budget["limit"] == pytest.approx(adaptive["in_force"] * adaptive["ceiling"])
     assert budget["held"] <= budget["limit"]
-    assert talk.all(SetPace)[0].rate == pytest.approx(math.sqrt(0.05) * 100_000.0)
+    assert talk.all(SetPace)[0].rate == pytest.approx(math.sqrt(FLOOR) * 100_000.0)
     assert talk.all(SetPace)[-1].rate == pytest.approx(adaptive["in_force"] * 100_000.0)
     told = [sent.digest for sent in talk.all(SendDigest) if not sent.digest.brief][-1].capacity
     assert told[0] == pytest.approx(adaptive["told"], rel=0.2)

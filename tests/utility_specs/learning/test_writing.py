@@ -5,6 +5,7 @@ import pytest
 from proxy.core.forecast.schedule import Schedule
 from tests.utility_specs.learning.team import json_bytes, regular, team
 from utility_specs import digests, load_specs
+from utility_specs.constraint_tables import FLOOR
 from utility_specs.learning import Observed, learn, writing
 from utility_specs.toml_source import LARGEST_FILE
 
@@ -29,7 +30,7 @@ def test_the_limit_follows_the_channel_up_to_what_was_seen(tmp_path):
     """Twice the most, in as many copies as there may be; a fixed one is at hand."""
     samples = regular("k", 10.0, lambda _: b"\xff" * 1250)
     (constraint,) = loaded(learn(samples, Schedule), tmp_path).constraints
-    assert (constraint.measure.limit / constraint.measure.window, constraint.least) == (25_000.0, 0.05)
+    assert (constraint.measure.limit / constraint.measure.window, constraint.least) == (25_000.0, FLOOR)
     (constraint,) = loaded(text := learn(samples, Schedule, ["r1", "r2", "r3"]), tmp_path).constraints
     assert constraint.measure.limit / constraint.measure.window == 50_000.0
     assert 'limit = "200 kbit/s" is what' in text.replace("\n# ", " ")

@@ -175,6 +175,19 @@ def test_who_leads_drains_a_queue_that_others_noticed_first():
     assert channel.factor < 0.95 * lasting
 
 
+def test_a_floor_that_the_channel_does_not_carry_is_told():
+    """While a queue stands that nothing can be done about; a queue is no reason where less can be sent."""
+    channel = Channel()
+    queue_of(channel.run(10.0), *(0.1 * i for i in range(1, 26)))
+    assert channel.capacity.warnings() == []
+    queue_of(channel, *(2.5 + 0.1 * i for i in range(1, 101)))
+    assert channel.factor == AIR.least
+    assert channel.capacity.warnings() == [
+        'constraint "air": the channel does not carry its floor, what is sent waits for 12 s: set a lower one'
+    ]
+    assert queue_of(channel, *[0.0] * 30).capacity.warnings() == []
+
+
 def test_a_leader_is_followed_while_it_speaks():
     """Silence counts; and what the others tell when it has said nothing for long."""
     channel = Channel(peers=("op", "a", "b"))

@@ -59,6 +59,21 @@ def test_what_is_heard_from_the_air_counts_by_that(make_specs):
     assert view.traffic.sent_since(0.0) == []
 
 
+def test_what_a_robot_did_not_send_stays_known(view):
+    """Samples that are heard before news of them are no more than were generated."""
+    view.subscribers.set_own((CAMERA,))
+    meet(view, origins=("r2-zid",))
+    view.heard_digest(1.0, digest(1.0, StreamDigest(7, 5, 2, 1.0, 0.9, 10, 1.0)))
+    (stream,) = view.streams
+    assert stream.unsent == 3
+    for at in (1.1, 1.2, 1.3, 1.4):
+        view.overhearing.take(SampleHeard(at, CAMERA, 10, "r2-zid", None, None))
+    assert stream.forwarded > stream.generated
+    assert stream.unsent == 3
+    view.heard_digest(1.5, digest(1.5, StreamDigest(7, 10, 6, 1.5, 1.4, 10, 1.0)))
+    assert stream.unsent == 4
+
+
 def test_what_came_before_a_key_was_known_was_not_lost(view):
     """News that waits for its key is older than the samples that came since: they are not taken for others'."""
     streams, specs = (StreamState(7, CAMERA, "camera", 0.1),), view.specs.generation

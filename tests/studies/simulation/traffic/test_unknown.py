@@ -4,18 +4,19 @@ import pytest
 
 from proxy.core.model.limits import limits_of
 from studies.simulation.traffic import unknown
-from studies.simulation.traffic.unknown import FLOOR, RIGHT, Flight, under
+from studies.simulation.traffic.unknown import RIGHT, Flight, under
 from studies.simulation.traffic.workloads import mixed
+from utility_specs.constraint_tables import FLOOR
 
 
 def test_limits_are_told_in_what_the_radio_carries():
-    """Adaptive ones by floor and ceiling; the right one is fixed."""
+    """Adaptive ones by their ceiling, of which the floor is the usual part; the right one is fixed."""
     workload = mixed(2)
     (right,) = limits_of(under(workload, 0.0), 0.0, 1)
     assert (right.measure.limit, right.least) == (pytest.approx(RIGHT * workload.rate * workload.window), 1.0)
     (adaptive,) = limits_of(under(workload, 6.0), 0.0, 1)
     assert adaptive.measure.limit == pytest.approx(6.0 * workload.rate * workload.window)
-    assert adaptive.least == pytest.approx(FLOOR / 6.0)
+    assert adaptive.least == FLOOR
 
 
 @pytest.mark.parametrize("ceiling", [6.0, pytest.param(50.0, marks=pytest.mark.full)])
