@@ -88,6 +88,10 @@ class BridgeBounds:
     answers_bytes: int = 16 * 1024 * 1024
     """Answers to one order are no longer than this, all together [B]."""
 
+    # What this robot's applications ask the daemon
+    question_bytes: int = 16 * 1024
+    """A question is no longer than this, of which a key takes most. One of 26 MB held up all decisions for 3 s [B]."""
+
     # Presence tokens
     tokens: int = 1024
     """Tokens known at once; more are not believed. Half of them may be of sessions to which there is no link."""

@@ -10,6 +10,7 @@ from pydantic_core import to_json
 
 from proxy.bridge import keys
 from proxy.bridge.declaration import Declaration
+from proxy.bridge.questions import refuse, serve
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.core.model.mode import Mode
 from proxy.errors import ProxyError
@@ -75,10 +76,7 @@ class Control:
             queryable.undeclare()
 
     def _declare(self, app: zenoh.Session, key: str, answer: Callable[[str, zenoh.Query], None]) -> Declaration:
-        def receive(query: zenoh.Query) -> None:
-            self._on_loop(partial(answer, key, query))
-
-        return app.declare_queryable(key, zenoh.handlers.Callback(receive, indirect=False), complete=True)
+        return serve(app, key, partial(answer, key), executor=self._executor, on_loop=self._on_loop)
 
     def _answer_status(self, key: str, query: zenoh.Query) -> None:
         told = self._live() if bytes(query.payload or b"") == LIVE else self._status()
@@ -88,7 +86,7 @@ class Control:
         try:
             answer = self._why(bytes(query.payload or b""))
         except ProxyError as error:
-            self._executor.insist(partial(_refuse, query, str(error)))
+            self._executor.insist(partial(refuse, query, str(error)))
             return
         self._reply(key, query, in_json(answer), zenoh.Encoding.APPLICATION_JSON)
 
@@ -96,7 +94,7 @@ class Control:
         try:
             mode = Mode.read(bytes(query.payload or b""))
         except ValueError as error:
-            self._executor.insist(partial(_refuse, query, str(error)))
+            self._executor.insist(partial(refuse, query, str(error)))
             return
         self._switch(mode)
         self._reply(key, query, mode.value, zenoh.Encoding.TEXT_PLAIN)
@@ -109,7 +107,7 @@ class Control:
 
         def told(became: Profile | ProfileError) -> None:
             self._executor.insist(
-                partial(tell, became) if isinstance(became, Profile) else partial(_refuse, query, str(became))
+                partial(tell, became) if isinstance(became, Profile) else partial(refuse, query, str(became))
             )
 
         payload = bytes(query.payload or b"")
@@ -119,7 +117,7 @@ class Control:
             else:
                 self._profile(read(payload), told)
         except ProxyError as error:
-            self._executor.insist(partial(_refuse, query, str(error)))
+            self._executor.insist(partial(refuse, query, str(error)))
 
     def _answer_specs(self, key: str, query: zenoh.Query) -> None:
         self._reply(key, query, json.dumps(self._specs()), zenoh.Encoding.APPLICATION_JSON)
@@ -132,8 +130,3 @@ class Control:
 def _tell(query: zenoh.Query, key: str, payload: bytes | str, encoding: zenoh.Encoding) -> None:
     with query:
         query.reply(key, payload, encoding=encoding)
-
-
-def _refuse(query: zenoh.Query, payload: str) -> None:
-    with query:
-        query.reply_err(payload)

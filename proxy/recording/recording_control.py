@@ -8,6 +8,7 @@ from typing import Any
 import zenoh
 
 from proxy.bridge import keys
+from proxy.bridge.questions import refuse, serve
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.errors import ProxyError
 from proxy.recording.errors import RecordingError
@@ -34,15 +35,11 @@ class RecordingControl:
         self._executor = executor
         self._on_loop = on_loop
         self._recording = recording
-        receive = zenoh.handlers.Callback(self._receive, indirect=False)
-        self._queryable = app.declare_queryable(self._key, receive, complete=True)
+        self._queryable = serve(app, self._key, self._answer, executor=executor, on_loop=on_loop)
 
     def close(self) -> None:
         """Answer nothing more."""
-        self._queryable.undeclare()  # type: ignore[no-untyped-call]
-
-    def _receive(self, query: zenoh.Query) -> None:
-        self._on_loop(partial(self._answer, query))
+        self._queryable.undeclare()
 
     def _answer(self, query: zenoh.Query) -> None:
         try:
@@ -52,7 +49,7 @@ class RecordingControl:
             elif order == "stop":
                 self._recording.stop()
         except ProxyError as error:
-            self._executor.insist(partial(_refuse, query, str(error)))
+            self._executor.insist(partial(refuse, query, str(error)))
             return
         self._executor.insist(partial(self._tell, query, order))
 
@@ -79,8 +76,3 @@ def _read(raw: bytes) -> tuple[str, bool]:
 def _reply(query: zenoh.Query, key: str, told: dict[str, Any]) -> None:
     with query:
         query.reply(key, json.dumps(told), encoding=zenoh.Encoding.APPLICATION_JSON)
-
-
-def _refuse(query: zenoh.Query, message: str) -> None:
-    with query:
-        query.reply_err(message)

@@ -102,7 +102,7 @@ def test_it_records_as_often_as_it_is_told(robot):
     assert robot.told({"record": "start"})["file"] != one["file"]
 
 
-@pytest.mark.parametrize("order", [{"record": "later"}, {"record": "start", "payloads": 3}, [], 5, b"[" * 100_000])
+@pytest.mark.parametrize("order", [{"record": "later"}, {"record": "start", "payloads": 3}, [], 5, b"[" * 10_000])
 def test_other_orders_are_refused(robot, order):
     """With what would do."""
     assert robot.told(order).startswith('recording is ordered with {"record": "start"')
