@@ -113,36 +113,31 @@ class Client:
         `live`: of streams only what changes with each sample; a daemon that does not know that tells all.
         """
         answers = self._ask(keys.status(robot or "*"), LIVE if live else None)
-        try:
+        with self.understood():
             return sorted(map(_status, answers), key=lambda status: str(status["robot"]))
-        except (ValueError, TypeError, KeyError):
-            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
 
     def why(self, robot: str, question: Question) -> dict[str, Any]:
         """Return what the daemon of `robot` knows of its last decisions. Raises NoAnswerError."""
         answers = self._ask(keys.why(robot), question.write())
         if len(answers) > 1:
             raise NoAnswerError(f"{len(answers)} daemons called {robot} answer at {self._where}; rename one of them")
-        try:
+        with self.understood():
             answer: dict[str, Any] = parsed(answers[0])
-            known = isinstance(answer["streams"], list)
-        except (ValueError, TypeError, KeyError):
-            known = False
-        if not known:
-            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version")
-        return answer
+            if not isinstance(answer["streams"], list):
+                raise TypeError(answer["streams"])
+            return answer
 
-    def switch(self, robot: str, mode: str) -> str:
-        """Switch `robot` to `mode`; return the daemon's answer. Raises NoAnswerError."""
-        return self._ask(keys.mode(robot), mode)[0]
+    def switch(self, robot: str, mode: str) -> None:
+        """Switch `robot` to `mode`. Raises NoAnswerError."""
+        if self._ask(keys.mode(robot), mode)[0] != mode:
+            raise self._stranger()
 
     def specs(self, robot: str) -> tuple[str, dict[str, str]]:
         """Return the generation of the specs in force at `robot`, and their files by name. Raises NoAnswerError."""
-        try:
-            told = parsed(self._ask(keys.specs(robot), None)[0])
+        answers = self._ask(keys.specs(robot), None)
+        with self.understood():
+            told = parsed(answers[0])
             return str(told["generation"]), {str(name): str(text) for name, text in told["files"].items()}
-        except (ValueError, TypeError, KeyError, AttributeError):
-            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
 
     def profile(self, robot: str, request: Request) -> Profile:
         """Have the daemon of `robot` profiled, until Ctrl-C at most; return the profile. Raises NoAnswerError."""
@@ -150,19 +145,15 @@ class Client:
             (answer, *_) = self._ask(keys.profile(robot), request.write(), request.seconds)
         except KeyboardInterrupt:
             (answer, *_) = self._ask(keys.profile(robot), END)
-        try:
+        with self.understood():
             return read(parsed(answer))
-        except (ValueError, TypeError, KeyError):
-            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
 
     def record(self, robot: str, told: dict[str, object]) -> dict[str, Any]:
         """Have `robot` record, or not, as `told`; return what it says of that. Raises NoAnswerError."""
         answer = self._ask(keys.record(robot), json.dumps(told))[0]
-        try:
+        with self.understood():
             found: dict[str, Any] = parsed(answer)
-        except ValueError:
-            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version") from None
-        return found
+            return found
 
     def ask(self, key: str, payload: bytes | None = None) -> str:
         """Return what is answered on a key that is none of a daemon's own. Raises NoAnswerError."""
@@ -183,7 +174,7 @@ class Client:
         """Return what became of an order: at the robot that passes it on at least. Raises NoAnswerError."""
         asked = self._ask(keys.to_fleet(robot, order), payload, TUNING.order_wait, attachment)
         if not (outcomes := read_outcomes(asked[0].encode())):
-            raise NoAnswerError(f"what answers at {self._where} is no daemon of this version")
+            raise self._stranger()
         return outcomes
 
     def samples(self, key: str, timeout: float) -> Generator[zenoh.Sample, None, None]:
@@ -205,6 +196,20 @@ class Client:
         if len(robots) > 1:
             raise NoAnswerError(f"several daemons answer at {self._where}: choose with --robot {'|'.join(robots)}")
         return robots[0]
+
+    @contextmanager
+    def understood(self) -> Iterator[None]:
+        """Take what was answered for what a daemon says. Raises NoAnswerError where it is not of that shape.
+
+        Any application may answer in a daemon's place, anything, and a daemon of another version something else.
+        """
+        try:
+            yield
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+            raise self._stranger() from None
+
+    def _stranger(self) -> NoAnswerError:
+        return NoAnswerError(f"what answers at {self._where} is no daemon of this version")
 
     @contextmanager
     def listening(self, expressions: Sequence[str], take: Callable[[zenoh.Sample], object]) -> Iterator[None]:

@@ -141,7 +141,8 @@ def _of_live(arguments: argparse.Namespace) -> str:
     with ExitStack() as opened:
         daemon = opened.enter_context(connected(arguments.connect))
         statuses = _statuses(daemon, arguments.robot)
-        robots, notes = robots_of(statuses), notes_on(statuses)
+        with daemon.understood():
+            robots, notes = robots_of(statuses), notes_on(statuses)
         add = None
         if arguments.record is not None:
             add = opened.enter_context(_recording(arguments.record, robots)).add

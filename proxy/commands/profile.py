@@ -82,14 +82,15 @@ def run(arguments: argparse.Namespace) -> int:
     except OSError as error:
         return _failed(f"cannot write {error.filename}: {error.strerror}", exit_codes.FAILED)
     try:
-        with connected(arguments.connect) as daemon:
+        with connected(arguments.connect) as daemon, daemon.understood():
             profile = daemon.profile(arguments.robot or daemon.only_robot(), request)
+            print(json.dumps(profile.write(), indent=2) if arguments.json else table(profile))
+            drawn = flame(profile).encode() if arguments.flame else b""
     except NoAnswerError as error:
         return _failed(error, exit_codes.FAILED)
-    print(json.dumps(profile.write(), indent=2) if arguments.json else table(profile))
     if arguments.flame:
         try:
-            arguments.flame.write_text(flame(profile), encoding="utf-8")
+            arguments.flame.write_bytes(drawn)
         except OSError as error:
             return _failed(f"cannot write {arguments.flame}: {error.strerror}", exit_codes.FAILED)
     return exit_codes.OK

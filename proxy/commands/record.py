@@ -49,7 +49,7 @@ def command(subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -
 def run(arguments: argparse.Namespace) -> int:
     """Begin, wait and end; return the exit code."""
     try:
-        with connected(arguments.connect) as daemon:
+        with connected(arguments.connect) as daemon, daemon.understood():
             robot = arguments.robot or daemon.only_robot()
             return _run(daemon, robot, arguments)
     except NoAnswerError as error:

@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"sendworthy why: {error}", file=sys.stderr)
         return exit_codes.USAGE
     try:
-        with connected(arguments.connect) as daemon:
+        with connected(arguments.connect) as daemon, daemon.understood():
             robot = arguments.robot or daemon.only_robot()
             answer = _answer(daemon, robot, question)
             if arguments.follow:

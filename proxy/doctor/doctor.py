@@ -46,7 +46,8 @@ def _host(config: Config, status: Status | None) -> Iterator[Finding]:
     """Look at what there is without other robots."""
     listen = (*present(config.app.listen, ipv6=has_ipv6()), *config.mesh.listens)
     metrics = (f"tcp/{config.metrics.listen}",) if config.metrics.listen else ()
-    ours = (*status["daemon"]["app"], *status["daemon"]["mesh"], *metrics) if status else ()
+    told = status.get("daemon", {}) if status else {}
+    ours = (*told.get("app", ()), *told.get("mesh", ()), *metrics) if status else ()
     yield from ports((*listen, *metrics), ours)
     yield from radio(config.mesh, running=status is not None)
     yield from wall_clock(config)

@@ -11,6 +11,8 @@ from proxy.version import version
 
 Status = dict[str, Any]
 """What `sendworthy status --json` shows."""
+OTHER = "another version"
+"""What a daemon runs that does not say what."""
 
 
 def team(status: Status, config: Config | None) -> Iterator[Finding]:
@@ -19,7 +21,7 @@ def team(status: Status, config: Config | None) -> Iterator[Finding]:
     yield from _daemon(status, config, [text for text in told if CURE not in text])
     relayed = config is not None and config.mesh.relayed
     yield from _applications(status, [text for text in told if CURE in text], relayed=relayed)
-    yield from _peers(status["version"], status["peers"])
+    yield from _peers(status.get("version", OTHER), status.get("peers", ()))
 
 
 def applications(mesh_interface: str) -> Iterator[Finding]:
@@ -30,22 +32,23 @@ def applications(mesh_interface: str) -> Iterator[Finding]:
 
 
 def _daemon(status: Status, config: Config | None, told: Sequence[str]) -> Iterator[Finding]:
-    if status["version"] != version():
-        yield finding(
-            "daemon", f"{status['version']} runs, {version()} is installed: sudo systemctl restart sendworthy"
-        )
+    if (runs := status.get("version", OTHER)) != version():
+        yield finding("daemon", f"{runs} runs, {version()} is installed: sudo systemctl restart sendworthy")
     if config is not None and (differs := _differences(status, config)):
         yield finding("daemon", f"{differs}: restart it, or look with its own files, variables and flags (--config)")
     yield from (finding("daemon", text) for text in told)
     if not told:
-        yield fine("daemon", f"robot {status['robot']} in mode {status['mode']} warns of nothing")
+        yield fine("daemon", f"robot {status['robot']} in mode {status.get('mode')} warns of nothing")
 
 
 def _differences(status: Status, config: Config) -> str:
     """Say what the daemon has otherwise than the configuration; a mode may have been switched."""
-    told = {"app.listen": status["daemon"]["app"], "mesh.listen": status["daemon"]["mesh"]}
-    here = {"app.listen": list(config.app.listen), "mesh.listen": list(config.mesh.listens)}
-    found = [f"{key} {value}, not {here[key]}" for key, value in told.items() if value != here[key]]
+    told, here = status.get("daemon", {}), {"app": list(config.app.listen), "mesh": list(config.mesh.listens)}
+    found = [
+        f"{side}.listen {told[side]}, not {listens}"
+        for side, listens in here.items()
+        if told.get(side, listens) != listens
+    ]
     return f"the daemon here has {' and '.join(found)}" if found else ""
 
 
@@ -54,8 +57,9 @@ def _applications(status: Status, told: Sequence[str], *, relayed: bool) -> Iter
 
     Where all is `relayed` only the routers are that it dials, which may well be on this host.
     """
-    known = {peer["zid"] for peer in status["peers"]}
-    strangers = {link["zid"]: link["destination"] for link in status["daemon"]["links"] if link["zid"] not in known}
+    known = {peer.get("zid") for peer in status.get("peers", ())}
+    links = {link.get("zid"): link.get("destination", "") for link in status.get("daemon", {}).get("links", ())}
+    strangers = {zid: place for zid, place in links.items() if zid not in known}
     linked = [
         f"the Zenoh process {zid} of this robot is on the mesh itself, around the daemon, at {place}: {CURE}"
         for zid, place in strangers.items()
@@ -79,12 +83,12 @@ def _peers(here: str, peers: Sequence[Status]) -> Iterator[Finding]:
     if not peers:
         yield fine("other robots", "none is known")
         return
-    others = [peer for peer in peers if peer["version"] not in {None, here}]
+    others = [peer for peer in peers if peer.get("version") not in {None, here}]
     for peer in others:
-        yield finding("versions", f"{peer['robot']} runs {peer['version']}, here {here}: install one on all robots")
+        yield finding("versions", f"{peer.get('robot')} runs {peer['version']}, here {here}: install one on all robots")
     if not others:
         yield fine("versions", f"{here} on all {len(peers) + 1} robots")
-    if all(peer["takes_part"] for peer in peers):
+    if all(peer.get("takes_part", True) for peer in peers):
         yield fine("limits", f"the same on all {len(peers) + 1} robots")
 
 

@@ -88,9 +88,9 @@ class Orders:
         where = self._places().get(robot)
         if where is None:
             raise NoAnswerError(f"only the daemon of {robot} knows why: have the page ask it, too, with --connect")
-        with connected(where) as client:
+        with connected(where) as client, client.understood():
             answer = client.why(robot, question)
-        return "\n".join(told(answer, WHY_WIDTH)) or str(answer.get("problem"))
+            return "\n".join(told(answer, WHY_WIDTH)) or str(answer.get("problem"))
 
     def _demo(self, key: str, payload: bytes) -> str:
         with self._lock, connected(self._endpoint) as client:

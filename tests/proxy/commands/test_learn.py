@@ -273,6 +273,14 @@ def test_where_nothing_is_published_nothing_is_written(daemon, tmp_path, capsys)
     assert not file.exists()
 
 
+def test_a_daemon_of_another_version_is_told(stand_in, capsys):
+    """What it does not say of its team cannot be noted."""
+    said = '{"robot": "r1", "peers": [{}]}'
+    where = stand_in({"@sendworthy/r1/status": lambda query: query.reply("@sendworthy/r1/status", said)})
+    assert main(["learn", "--seconds", "0.1", "--connect", where]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"sendworthy learn: what answers at {where} is no daemon of this version\n"
+
+
 def test_a_daemon_that_is_asked_for_by_name_must_answer(daemon, capsys):
     """Another one is not listened to."""
     assert main(["learn", "--robot", "r9", "--connect", daemon.endpoint]) == exit_codes.FAILED

@@ -62,3 +62,10 @@ def test_what_tells_of_no_robot_is_no_answer(stand_in, capsys, told):
     where = stand_in({"@sendworthy/r1/to-fleet/mode": tell})
     assert main(["mode", "pass", "--fleet", "--robot", "r1", "--connect", where]) == exit_codes.FAILED
     assert capsys.readouterr().err == f"sendworthy mode: what answers at {where} is no daemon of this version\n"
+
+
+def test_another_mode_is_no_answer(stand_in, capsys):
+    """Whoever does not confirm the mode is no daemon, or did not switch."""
+    where = stand_in({"@sendworthy/r1/mode": lambda query: query.reply("@sendworthy/r1/mode", "pass")})
+    assert main(["mode", "shadow", "--robot", "r1", "--connect", where]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"sendworthy mode: what answers at {where} is no daemon of this version\n"

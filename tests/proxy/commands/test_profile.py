@@ -112,11 +112,12 @@ def test_ctrl_c_shows_what_was_seen_until_then(stand_in, capsys):
     assert len(waiting) == 1
 
 
-def test_what_is_no_profile_is_no_daemon(stand_in, capsys):
+@pytest.mark.parametrize("told", [{}, profile().write() | {"looks": -1}, profile().write() | {"seconds": 10**400}])
+def test_what_is_no_profile_is_no_daemon(stand_in, capsys, told):
     """Of this version."""
 
     def answer(query):
-        query.reply("@sendworthy/r1/profile", "{}")
+        query.reply("@sendworthy/r1/profile", json.dumps(told))
         query.drop()
 
     where = stand_in({"@sendworthy/r1/profile": answer})

@@ -110,11 +110,12 @@ def test_a_daemon_that_is_killed_leaves_what_it_recorded(start, tmp_path):
     assert "was not closed" in reader.problems[0]
 
 
-def test_what_answers_strangely_is_told(stand_in, capsys):
-    """A daemon of another version."""
-    where = stand_in({"@sendworthy/r1/record": lambda query: query.reply("@sendworthy/r1/record", "?")})
-    assert main(["record", "--robot", "r1", "--connect", where]) == exit_codes.FAILED
-    assert "is no daemon of this version" in capsys.readouterr().err
+@pytest.mark.parametrize("told", ["?", "5", "{}", '{"file": "a", "files": "b"}'])
+def test_what_answers_strangely_is_told(stand_in, capsys, told):
+    """A daemon of another version, or another program."""
+    where = stand_in({"@sendworthy/r1/record": lambda query: query.reply("@sendworthy/r1/record", told)})
+    assert main(["record", "--off", "--robot", "r1", "--connect", where]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"sendworthy record: what answers at {where} is no daemon of this version\n"
 
 
 @pytest.mark.parametrize("seconds", ["0", "-1", "soon", "inf"])

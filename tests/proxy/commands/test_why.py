@@ -207,16 +207,18 @@ def test_nothing_decided_and_streams_left_out_are_told(stand_in, capsys):
     assert "and 2 more streams: b, \ufffd[31mc" in out
 
 
-def test_what_is_no_answer_is_no_daemon(stand_in, capsys):
-    """Of this version."""
+@pytest.mark.parametrize("told", [[], {"streams": [5]}, answer_of({"age": "old"}), answer_of(decision(1, age=10**400))])
+@pytest.mark.parametrize("flags", [(), ("--follow",)])
+def test_what_is_no_answer_is_no_daemon(stand_in, capsys, told, flags):
+    """Of this version, or another program."""
 
     def tell(query):
-        query.reply("@sendworthy/r1/why", "[]")
+        query.reply("@sendworthy/r1/why", json.dumps(told))
         query.drop()
 
     where = stand_in({"@sendworthy/r1/why": tell})
-    assert main(["why", "a", "--robot", "r1", "--connect", where]) == exit_codes.FAILED
-    assert "is no daemon of this version" in capsys.readouterr().err
+    assert main(["why", "a", "--robot", "r1", "--connect", where, *flags]) == exit_codes.FAILED
+    assert capsys.readouterr().err == f"sendworthy why: what answers at {where} is no daemon of this version\n"
 
 
 def test_two_daemons_of_one_name_are_told(stand_in, capsys):

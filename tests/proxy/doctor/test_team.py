@@ -99,6 +99,15 @@ def test_a_daemon_that_is_not_what_is_installed_and_configured_is_a_finding():
     assert look(told, None)[1] == findings[:1], "no configuration to compare it with"
 
 
+@pytest.mark.parametrize("poor", [{}, {"peers": [{}], "daemon": {}}, {"daemon": {"links": [{}]}}])
+def test_a_daemon_that_says_little_is_of_another_version(poor):
+    """What it does not say is not compared."""
+    _, findings = look({"robot": "r1"} | poor)
+    assert findings == [
+        ("daemon", f"another version runs, {version()} is installed: sudo systemctl restart sendworthy")
+    ]
+
+
 def test_without_a_daemon_it_is_said_what_is_missing():
     """And how to start one."""
     (found,) = alone("no daemon answers; is it running?")
