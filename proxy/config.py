@@ -171,7 +171,7 @@ class PlannerConfig(Section):
 
     iterations: int = Field(default=300, ge=1, le=1_000_000, description="iterations of the tree search per decision")
     deadline: float = Field(
-        default=0.02, gt=0.0, le=10.0, description="a decision takes at most this long from its event on [s]"
+        default=0.02, ge=0.001, le=10.0, description="a decision takes at most this long from its event on [s]"
     )
     horizon: int = Field(default=120, ge=1, le=10_000, description="contested messages that a decision looks at")
     backlog: int = Field(

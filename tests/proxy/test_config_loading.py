@@ -191,7 +191,7 @@ BROKEN = {
         "[planner]\niterations = 1000001",
         "2: planner.iterations: must be at most 1000000, not 1000001",
     ),
-    "deadline none": ("[planner]\ndeadline = 0.0", "2: planner.deadline: must be more than 0, not 0.0"),
+    "deadline none": ("[planner]\ndeadline = 1e-300", "2: planner.deadline: must be at least 0.001, not 1e-300"),
     "deadline infinite": (
         "[planner]\ndeadline = inf",
         "2: planner.deadline: must be a finite number, not inf",
