@@ -43,7 +43,7 @@ def gathered(paths: Iterable[Path]) -> dict[str, bytes]:
     known: set[Path] = set()
     for path in paths:
         try:
-            found = [(file, file.read_bytes()) for file in spec_files(path)]
+            found = [(file, _content(file)) for file in spec_files(path)]
         except OSError as error:
             raise PushError(f"{error.filename}: cannot be read: {error.strerror}") from None
         for file, content in found:
@@ -52,6 +52,14 @@ def gathered(paths: Iterable[Path]) -> dict[str, bytes]:
             files[file.name] = content
             known.add(file.resolve())
     return files
+
+
+def _content(file: Path) -> bytes:
+    """Return what is in a file, as far as it can be pushed. Raises PushError, OSError."""
+    if file.exists() and not file.is_file():
+        raise PushError(f"{file}: is not a file")
+    with file.open("rb") as opened:
+        return opened.read(TUNING.pushed_bytes + 1)
 
 
 class Folder:
@@ -63,8 +71,9 @@ class Folder:
     def __init__(self, path: Path) -> None:
         self._replaced = False
         self._path = path.resolve()
-        self._staged = self._path.with_name(f"{self._path.name}.pushed")
-        self._previous = self._path.with_name(f"{self._path.name}.previous")
+        beside = self._path.parent  # also of the root, which has no name
+        self._staged = beside / f"{self._path.name}.pushed"
+        self._previous = beside / f"{self._path.name}.previous"
 
     def put(self, files: Mapping[str, bytes]) -> None:
         """Replace what is there, if it is right. Raises SpecsError for mistakes in it and PushError for all else."""

@@ -1,5 +1,6 @@
 """Specs that are pushed."""
 
+import os
 from pathlib import Path
 
 import msgpack
@@ -9,7 +10,8 @@ from hypothesis import strategies as st
 
 from proxy.errors import PushError
 from proxy.pushed import Folder, gathered, pack, unpack
-from utility_specs import SpecsError, load_specs
+from proxy.reloading import read_specs
+from utility_specs import Specs, SpecsError, load_specs
 
 GOOD = b"""
 [[information_type]]
@@ -98,6 +100,14 @@ def test_what_cannot_be_gathered_is_named(path):
     other.write_bytes(OTHER)
     with pytest.raises(PushError, match=r"old\.toml: there is another file of this name"):
         gathered([path, other])
+
+
+def test_what_never_ends_is_not_gathered(path):
+    """A pipe that nobody writes into, a device, a folder that is called like a file."""
+    os.mkfifo(path / "pipe.toml")
+    for each in (path, Path("/dev/zero")):
+        with pytest.raises(PushError, match="is not a file"):
+            gathered([each])
 
 
 def test_specs_replace_those_of_the_folder(path):
@@ -189,6 +199,11 @@ def test_a_single_file_cannot_be_replaced(path):
     """A set of files needs a folder; the message says what to do."""
     with pytest.raises(PushError, match=r"old\.toml is a file; set specs\.path to a folder"):
         Folder(path / "old.toml").put({"new.toml": OTHER})
+
+
+def test_the_root_is_a_folder_like_others():
+    """It has no name, and nothing replaces it."""
+    assert read_specs(Path("/")) == Specs.empty()
 
 
 def test_a_place_that_cannot_be_written_is_named():

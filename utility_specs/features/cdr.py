@@ -45,6 +45,8 @@ def _definition(written: str, info: ValidationInfo) -> str:
         return written
     path = File((info.context or {}).get("folder", "."), written)
     try:
+        if path.exists() and not path.is_file():
+            raise ValueError("it is not a file")  # noqa: TRY301 - like all that may be wrong with it
         with path.open("rb") as opened:
             text = opened.read(LARGEST_DEFINITION + 1).decode()
     except (OSError, ValueError) as error:

@@ -1,6 +1,7 @@
 """Numbers in messages of ROS 2."""
 
 import math
+import os
 
 import numpy as np
 import pytest
@@ -110,6 +111,14 @@ def test_a_table_that_cannot_work_is_refused(said, message):
     """When the spec is loaded."""
     with pytest.raises(ValidationError, match=message):
         CdrTable.model_validate({"kind": "cdr", "type": BATTERY, "field": "percentage"} | said)
+
+
+def test_a_definition_that_never_ends_is_refused(tmp_path):
+    """Such as a pipe that nobody writes into."""
+    os.mkfifo(tmp_path / "A.msg")
+    table = {"kind": "cdr", "type": "a/msg/A", "field": "x", "definition": "A.msg"}
+    with pytest.raises(ValidationError, match="it is not a file"):
+        CdrTable.model_validate(table, context={"folder": tmp_path})
 
 
 @pytest.mark.parametrize(("text", "message"), [(b"#" * (LARGEST_DEFINITION + 1), "is larger than"), (b"\xff", "utf-8")])
