@@ -9,8 +9,15 @@ Signature = tuple[tuple[str, int, int, int, int], ...]
 """Of every file: its path, inode, size, and when content and inode changed last [ns]."""
 
 
+DEFINITIONS = ("*.msg", "*/*.msg")
+"""Definitions of messages, beside the specs and in folders beside them, where ROS 2 has them: `msg/Battery.msg`."""
+
+
 def signature(paths: Iterable[Path]) -> Signature:
-    """Return what tells one state of files, and of the `*.toml` and `*.msg` in folders, from another; never raises."""
+    """Return what tells one state of files, of the `*.toml` in folders, and of definitions of messages, from another.
+
+    Never raises.
+    """
     return tuple(sorted(entry for path in paths for entry in _entries(path)))
 
 
@@ -47,7 +54,8 @@ class FileWatch:
 
 def _entries(path: Path) -> list[tuple[str, int, int, int, int]]:
     try:
-        files = [*spec_files(path), *path.glob("*.msg")]  # a file has none
+        folder = path if path.is_dir() else path.parent
+        files = [*spec_files(path), *(file for each in DEFINITIONS for file in folder.glob(each))]
     except OSError:
         files = [path]
     return [_entry(file) for file in files]

@@ -95,6 +95,17 @@ def test_definitions_of_messages_are_watched(watch, file):
     assert not any(watch.look() for _ in range(3))
 
 
+def test_definitions_in_a_folder_beside_specs_are_watched(file):
+    """As packages of ROS 2 have them; also where the specs are one file."""
+    definition = file.parent / "msg" / "B.msg"
+    definition.parent.mkdir()
+    for path in (file, file.parent):
+        definition.write_text("float64 x")
+        watch = FileWatch(lambda path=path: [path])
+        definition.write_text("int32 n\nfloat64 x")
+        assert settled(watch)
+
+
 def test_permissions_are_news(watch, file):
     """Who could not read a file tries again when its mode changes."""
     file.chmod(0o600)
