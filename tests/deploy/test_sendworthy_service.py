@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from proxy import exit_codes
+from proxy.log import NEWS_AT_ONCE, PERIOD
 from proxy.tuning import TUNING
 from tests.ports import free_port
 
@@ -154,6 +155,12 @@ def test_what_is_wrong_from_the_start_is_not_tried_again(service):
     service.start()
     code = service.process.wait(20.0)
     assert settings()["RestartPreventExitStatus"] == [str(code)]
+
+
+def test_decoders_of_images_do_not_fill_the_journal():
+    """They write to standard error by themselves; what the daemon says as often as it may has room beside them."""
+    assert settings()["LogRateLimitIntervalSec"] == [f"{PERIOD:g}"]
+    assert settings()["LogRateLimitBurst"] == [str(3 * NEWS_AT_ONCE)]
 
 
 def test_the_daemon_comes_before_what_computes():
