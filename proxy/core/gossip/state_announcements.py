@@ -230,7 +230,7 @@ class StateAnnouncements:
         notices: list[Command] = []
         if left_out > self.left_out:
             text = f"{left_out} streams, subscriptions or origins are too many to tell the others"
-            notices.append(Notice("warning", text))
+            notices.append(Notice("warning", text, {"reason": "untold"}))
         self.left_out, self.state, self._announced_at = left_out, state, now
         for each in state.streams:
             if (stream := self._view.streams.known(state.robot, each.key)) is not None:

@@ -1,7 +1,7 @@
 """What the core asks its driver to do, in the order given."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 from planner import Problem
@@ -128,11 +128,11 @@ class SetPace:
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """A line for the log; `fields` are what programs look for in it."""
+    """A line for the log; `fields` are what programs look for in it, with the `reason` of which few are logged."""
 
     level: Literal["info", "warning", "error"]
     text: str
-    fields: Mapping[str, str | int] = field(default_factory=dict)
+    fields: Mapping[str, str | int]
 
 
 Command = (

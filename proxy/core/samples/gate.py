@@ -286,7 +286,7 @@ class Gate:
         """Say loudly that the planner failed, once for each error."""
         before, self._complaint = self._complaint, error
         text = f"the planner failed, a static rule decides: {error}"
-        return [Notice("error", text)] if error != before else []
+        return [Notice("error", text, {"reason": "planner"})] if error != before else []
 
     def _without_plan(self, now: float, pending: Pending, *, late: bool) -> list[Command]:
         """Decide by priority and token buckets; `late` send what fits, unless something more urgent waits."""
