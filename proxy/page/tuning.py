@@ -18,6 +18,8 @@ class PageTuning:
     head: float = 5.0
     """Who connects asks something within this time, and again after an answer, or is cut off [s]: as long as uvicorn
     keeps a connection that says nothing after one."""
+    silent: float = 15.0
+    """A browser takes some of what is sent within this time, or is cut off [s]: a radio may well be gone for ten."""
     rate_window: float = 3.0
     """How often frames come is counted over so long [s]."""
     count_window: float = 10.0

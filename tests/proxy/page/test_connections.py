@@ -19,8 +19,8 @@ HEAD = b"GET / HTTP/1.1\r\nHost: localhost\r\n"
 
 @pytest.fixture(autouse=True)
 def short(monkeypatch):
-    """A head may take half a second: a busy machine holds up our own for less."""
-    monkeypatch.setattr("proxy.page.connections.TUNING", PageTuning(head=0.5))
+    """A head may take half a second, and so may what is sent: a busy machine holds up our own for less."""
+    monkeypatch.setattr("proxy.page.connections.TUNING", PageTuning(head=0.5, silent=0.5))
 
 
 @asynccontextmanager
@@ -91,6 +91,35 @@ def test_who_waits_for_an_answer_is_not_closed():
                 answers.release()
                 await reader.readuntil(b"\r\n\r\n")
                 assert await reader.readexactly(4) == b"done"
+
+    asyncio.run(run())
+
+
+def test_who_takes_nothing_is_closed():
+    """A browser that is gone without a word takes as little as one that does not read."""
+
+    async def run():
+        async def app(_scope, _receive, send):
+            await send({"type": "http.response.start", "status": 200, "headers": []})
+            while True:
+                await send({"type": "http.response.body", "body": bytes(1 << 20), "more_body": True})
+                await asyncio.sleep(0.0)
+
+        config = uvicorn.Config(app, lifespan="off", log_config=None)
+        config.load()
+        ended = asyncio.Event()
+
+        class Noted(Connection):
+            def connection_lost(self, exc):
+                super().connection_lost(exc)
+                ended.set()
+
+        loop = asyncio.get_running_loop()
+        server = await loop.create_server(lambda: Noted(config, ServerState(), {}), "127.0.0.1", 0)
+        with socket.create_connection(server.sockets[0].getsockname()) as browser:
+            browser.sendall(HEAD + b"\r\n")
+            await asyncio.wait_for(ended.wait(), 60.0)
+        server.close()
 
     asyncio.run(run())
 
