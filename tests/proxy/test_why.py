@@ -53,6 +53,12 @@ def test_a_stream_is_named_by_its_key_a_part_or_an_expression(core, asked, keys)
     assert [each["key"] for each in answer(core, 1.0, Question(asked))["streams"]] == keys
 
 
+def test_an_expression_that_takes_long_to_compare_means_all():
+    """Zenoh took 20 s for ten `**` and one key of forty chunks, and all decisions waited."""
+    deep = ["a/" * 40 + "a", "robot/r1/map"]
+    assert meant("a/**/" * 40 + "b", deep) == deep
+
+
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
