@@ -9,8 +9,8 @@ Signature = tuple[tuple[str, int, int, int, int], ...]
 """Of every file: its path, inode, size, and when content and inode changed last [ns]."""
 
 
-DEFINITIONS = ("*.msg", "*/*.msg")
-"""Definitions of messages, beside the specs and in folders beside them, where ROS 2 has them: `msg/Battery.msg`."""
+DEFINITIONS = ("*.msg", "msg/*.msg")
+"""Definitions of messages, beside the specs and where ROS 2 has them: `msg/Battery.msg`."""
 
 
 def signature(paths: Iterable[Path]) -> Signature:

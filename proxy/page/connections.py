@@ -21,7 +21,8 @@ class Connection(H11Protocol):
         """Wait for the first request."""
         super().connection_made(transport)
         place: socket.socket = transport.get_extra_info("socket")
-        place.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(TUNING.silent * 1e3))
+        if hasattr(socket, "TCP_USER_TIMEOUT"):  # Linux has it
+            place.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(TUNING.silent * 1e3))
         self._wait()
 
     def on_response_complete(self) -> None:
