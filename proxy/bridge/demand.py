@@ -15,6 +15,7 @@ from proxy.bridge.declaration import matches
 from proxy.bridge.keys import on_air
 from proxy.bridge.sample import Parcel
 from proxy.core.interface.events import MatchingChanged
+from proxy.core.view.subscribers import intersects
 
 _PUT = zenoh.SampleKind.PUT
 
@@ -65,7 +66,7 @@ class Demand:
         self._turned: set[str] = set()
         self._matching: dict[str, bool] = {}
         self._outlets: dict[str, Outlet] = {}
-        self._robots: dict[str, tuple[zenoh.KeyExpr, ...]] = {}
+        self._robots: dict[str, tuple[str, ...]] = {}
         self._counts: dict[str, int] = {}
 
     def note(self, key: str, sample: zenoh.Sample, *, covered: bool) -> None:
@@ -88,7 +89,7 @@ class Demand:
 
     def note_robot(self, zid: str, subscriptions: Iterable[str]) -> None:
         """Take in what a robot says that its apps subscribe to; nothing when it is gone."""
-        wanted = tuple(zenoh.KeyExpr(expression) for expression in subscriptions)
+        wanted = tuple(subscriptions)
         with self._lock:
             robots = {robot: keys for robot, keys in self._robots.items() if robot != zid}
             self._robots = robots | {zid: wanted} if wanted else robots
@@ -105,12 +106,12 @@ class Demand:
             if len(counts) >= BOUNDS.keys:
                 counts.clear()
             robots = self._robots.values()
-            count = counts[key] = sum(any(each.intersects(key) for each in wanted) for wanted in robots)
+            count = counts[key] = sum(any(intersects(each, key) for each in wanted) for wanted in robots)
         return count + 1 if self._relayed else max(1, count)
 
     def wanting(self, key: str) -> set[str]:
         """Return the robots, by their sessions, that say they want `key`."""
-        return {zid for zid, wanted in self._robots.items() if any(each.intersects(key) for each in wanted)}
+        return {zid for zid, wanted in self._robots.items() if any(intersects(each, key) for each in wanted)}
 
     def silent(self, key: str) -> bool:
         """Whether `key` must not be published: on a mesh session Zenoh sees to that itself, on the air it does not.

@@ -120,6 +120,15 @@ def test_relayed_copies_are_one_more_than_the_robots(mesh):
     assert demand.copies("k/a") == 3
 
 
+def test_who_asks_for_what_takes_long_to_compare_wants_all(demand):
+    """Zenoh took 20 s for such an expression, and each sample of the key waited for it."""
+    demand.note_robot("z1", ["/".join(["**", "a"] * 10)])
+    demand.note_robot("z2", ["**/a"])
+    key = "/".join(["b"] * 40)
+    assert demand.wanting(key) == {"z1"}
+    assert demand.copies(key) == 1
+
+
 def test_keys_are_followed_once_and_up_to_a_bound(demand, monkeypatch, events, follow):
     """The same key again changes nothing; beyond the bound a key stays unknown."""
     monkeypatch.setattr(demand_module, "BOUNDS", replace(BOUNDS, demanded_keys=1))
