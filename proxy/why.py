@@ -90,17 +90,12 @@ def _is_decided(core: Core, key: str) -> bool:
 
 def meant(asked: str, known: list[str]) -> list[str]:
     """Return the known keys that are meant: those that the key expression matches, or the only one that contains it."""
+    from proxy.core.view.subscribers import intersects  # noqa: PLC0415 - who asks needs no core
+
     expression = _expression(asked)
-    matched = [] if expression is None else [key for key in known if _matches(expression, key)]
+    matched = [] if expression is None else [key for key in known if intersects(str(expression), key)]
     parts = [key for key in known if asked in key]
     return matched or (parts if len(parts) == 1 else [])
-
-
-def _matches(expression: zenoh.KeyExpr, key: str) -> bool:
-    """Whether an expression matches a key; one that takes long to compare matches all."""
-    from proxy.core.view.subscribers import takes_long  # noqa: PLC0415 - who asks needs no core
-
-    return takes_long(str(expression), key) or bool(expression.intersects(zenoh.KeyExpr(key)))
 
 
 def _problem(core: Core, asked: str) -> str:

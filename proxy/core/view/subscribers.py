@@ -22,7 +22,7 @@ def intersects(expression: str, key: str) -> bool:
 
 
 def _intersects(expression: str, key: str) -> bool:
-    if takes_long(expression, key):
+    if _takes_long(expression, key):
         return True
     one, other = _parsed(expression), _parsed(key)
     return one is not None and other is not None and bool(one.intersects(other))
@@ -37,13 +37,13 @@ def common(subscriptions: Collection[str], keys: Collection[str]) -> set[str]:
 
 def _narrower(expression: str, key: str) -> str:
     """Return the narrower of two expressions that have something in common; where neither is, the first."""
-    if takes_long(expression, key):
+    if _takes_long(expression, key):
         return key
     one, other = _parsed(expression), _parsed(key)
     return key if one is None or other is None or one.includes(other) else expression
 
 
-def takes_long(expression: str, key: str) -> bool:
+def _takes_long(expression: str, key: str) -> bool:
     """Whether Zenoh may take long to compare them: it tries each place of every wildcard but `*`, one in the other."""
     deep, parts = expression.count("**"), expression.count("$*")
     if not 1 < deep + parts <= TUNING.wildcards:
