@@ -13,6 +13,7 @@ from proxy.errors import PushError
 from proxy.tuning import TUNING
 from utility_specs import SpecsError, load_specs
 from utility_specs.loader import spec_files
+from utility_specs.toml_source import is_no_file
 
 VERSION = 1
 _NAME = re.compile(r"[\w-][\w.-]{0,99}\.toml")
@@ -56,7 +57,7 @@ def gathered(paths: Iterable[Path]) -> dict[str, bytes]:
 
 def _content(file: Path) -> bytes:
     """Return what is in a file, as far as it can be pushed. Raises PushError, OSError."""
-    if file.exists() and not file.is_file():
+    if is_no_file(file):
         raise PushError(f"{file}: is not a file")
     with file.open("rb") as opened:
         return opened.read(TUNING.pushed_bytes + 1)

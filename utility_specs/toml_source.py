@@ -151,10 +151,15 @@ def _shown(part: str) -> str:
     return part if re.fullmatch(r"[\w-]+", part) else quoted(part)
 
 
+def is_no_file(path: Path) -> bool:
+    """Whether there is something else than a file: who reads a pipe or a device may never come to its end."""
+    return path.exists() and not path.is_file()
+
+
 def _text_of(path: Path) -> str:
     """Read a file of at most `LARGEST_FILE` bytes as UTF-8, without a byte order mark; raises TomlError."""
     try:
-        if path.exists() and not path.is_file():
+        if is_no_file(path):
             raise _error(path, None, "is not a file")
         with path.open("rb") as file:
             raw = file.read(LARGEST_FILE + 1)

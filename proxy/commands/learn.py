@@ -20,6 +20,7 @@ from utility_specs import SpecsError, load_specs
 from utility_specs.learning import LearningError, learn
 from utility_specs.learning.recording import Reader, RecordingError, Writer
 from utility_specs.learning.toml_text import counted
+from utility_specs.toml_source import is_no_file
 
 DESCRIPTION = """\
 Listens at the daemon here for 30 s, or reads a recording, and writes a first utility spec: the information types there
@@ -213,7 +214,7 @@ def _write(text: str, path: Path) -> None:
     """Put the file in place whole, and say whether it goes with its neighbours. Raises OutputError."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        if path.exists() and not path.is_file():  # a pipe or a device: it has no neighbours
+        if is_no_file(path):  # a pipe or a device: it has no neighbours
             path.write_text(text, encoding="utf-8")
             return
         _replace(Path(os.path.realpath(path)), text)

@@ -12,6 +12,7 @@ from utility_specs.features.reading import Reading, ReadingTable, needs_reduce, 
 from utility_specs.features.ros_types import Distro, check_number, field_of, typestore
 from utility_specs.features.sample import Sample
 from utility_specs.suggestions import quoted
+from utility_specs.toml_source import is_no_file
 
 LARGEST_DEFINITION = 64 * 1024
 """Bytes of the largest message definition that is read."""
@@ -45,7 +46,7 @@ def _definition(written: str, info: ValidationInfo) -> str:
         return written
     path = File((info.context or {}).get("folder", "."), written)
     try:
-        if path.exists() and not path.is_file():
+        if is_no_file(path):
             raise ValueError("it is not a file")  # noqa: TRY301 - like all that may be wrong with it
         with path.open("rb") as opened:
             text = opened.read(LARGEST_DEFINITION + 1).decode()
