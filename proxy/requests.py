@@ -21,7 +21,7 @@ class Requests:
     wakes; but it writes the signal's number to a socket at once, which wakes it.
 
     Where a request to end is not taken up within so many seconds of `patience`, as a file is being read without end,
-    the kernel ends the process.
+    the kernel ends the process. A request that comes just before such a read begins is heard with the next one only.
     """
 
     def __init__(self, patience: int = 0) -> None:

@@ -5,10 +5,12 @@ import signal
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import pytest
 
 from proxy.requests import SIGNALS, Requests, asked_to_end
+from tests.waiting import wait_until
 
 
 @pytest.fixture(autouse=True)
@@ -71,6 +73,9 @@ def test_a_request_to_end_that_nobody_takes_up_ends_the_process(number):
     reads = "from proxy.requests import Requests; asked = Requests(1); print('reads', flush=True); open(0).read()"
     with subprocess.Popen([sys.executable, "-c", reads], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdout.readline() == b"reads\n"
+        stat = Path(f"/proc/{process.pid}/stat")
+        # One that comes just before the process reads wakes nothing: Python runs no handler until the next one comes.
+        wait_until(lambda: stat.read_text().rpartition(") ")[2].startswith("S"), what="the read")
         process.send_signal(number)
         assert process.wait(60.0) == -signal.SIGALRM
 
