@@ -78,7 +78,7 @@ class CongestionControl:
         """Increase or decrease the estimates by what is seen now."""
         # A sample that still waits for its decision looks like a dropped one for a moment.
         if traffic.dropped > self._most_dropped:
-            self._dropping_until = now + TUNING.dropping
+            self._dropping_until = now + max(TUNING.dropping, self._evidence.liveness.interval(now))
             self._most_dropped = traffic.dropped
         ceilings = [limit.ceiling for limit in self._limits]
         self.used = self._reports.used(len(ceilings)) or self._evidence.load.parts(now, ceilings)
@@ -132,9 +132,9 @@ class CongestionControl:
             self._trial = None
             self._decrease(now, cause)
             return "delay"
-        if self.queue_delay > bearable:
+        if self.queue is not None and (left := self.queue.left(now)) > bearable:
             for limit in self._limits:
-                limit.aimd.extend_drain(now, self.queue_delay)
+                limit.aimd.extend_drain(now, left)
             return "draining"
         if self._tries_less(now):
             return "loss"

@@ -143,6 +143,7 @@ class Liveness:
         self._sent: deque[float] = deque((now,), maxlen=5)
         self._received = self._newest = now
         self._echoed: deque[float] = deque((now,), maxlen=5)
+        self._excused_until = now
 
     @property
     def last_sent(self) -> float:
@@ -167,6 +168,15 @@ class Liveness:
         self._received = self._newest = now
         self._echoed = deque((now,), maxlen=5)
 
+    def excuse(self, until: float) -> None:
+        """Until then [s] the allowance of all pays for what was heard: that nobody says more is no silence.
+
+        After all that a team tells at first, which takes half a minute's allowance where limits are low, robots took
+        the silence for a dead channel, lowered their limits further, and so had still less to tell it with: four behind
+        300 kbit/s sent next to nothing for the rest of their flight.
+        """
+        self._excused_until = max(self._excused_until, until)
+
     def interval(self, now: float) -> float:
         """The longest time between two of our last digests [s]; the others' are as far apart."""
         return _longest((*self._sent, now))
@@ -184,7 +194,8 @@ class Liveness:
         """Whether nothing gets through, one way or the other."""
         silence = max(TUNING.silence, TUNING.silence_intervals * self.interval(now))
         rare = min(TUNING.echo_intervals * _longest(self._echoed), TUNING.longest_echo_silence)
-        return now - self._received > silence or now - self._echoed[-1] > max(TUNING.echo_silence * silence, rare)
+        unheard, unechoed = (now - max(t, self._excused_until) for t in (self._received, self._echoed[-1]))
+        return unheard > silence or unechoed > max(TUNING.echo_silence * silence, rare)
 
 
 def _longest(times: Iterable[float]) -> float:

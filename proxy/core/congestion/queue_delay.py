@@ -74,10 +74,19 @@ class PathDelays:
 
 @dataclass(frozen=True, slots=True)
 class StandingQueue:
-    """A queue of `delay` [s] stands, and `share` of what is sent comes through."""
+    """A queue of `delay` [s] stands, as was told last at `seen_at` [s], and `share` of what is sent comes through."""
 
     delay: float
     share: float
+    seen_at: float = math.inf
+
+    def left(self, now: float) -> float:
+        """What is left of it [s] where it has drained since then, as all who see it send little.
+
+        Digests are rare where limits are low: four robots behind 300 kbit/s sent little for 4 s for the sake of a queue
+        that had drained in one. Two reach 98 % of a right limit's utility, and 96 where a queue counts as it was told.
+        """
+        return self.delay - (1.0 - TUNING.least_while_draining) * max(0.0, now - self.seen_at)
 
 
 class _Delay(NamedTuple):
@@ -111,7 +120,7 @@ def standing_queue(
     if not _suffice(new, several):
         return None
     least = min(new, key=lambda each: each.delay)
-    return StandingQueue(least.delay, least.path.share(since, bearable, span))
+    return StandingQueue(least.delay, least.path.share(since, bearable, span), new[0].at)
 
 
 def _suffice(new: list[_Delay], paths: int) -> bool:

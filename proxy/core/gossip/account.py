@@ -59,6 +59,10 @@ class Account:
         self._budget.heard(now, sent, copies)
         self.heard += self._count(now, sent, copies)
 
+    def paid_at(self, now: float) -> float:
+        """When the allowance has paid for what all told so far [s]; now if it has."""
+        return self._budget.due_ahead(now, 0.0)
+
     def heard_state(self, now: float, state: State, size: int) -> None:
         """A state of another robot, of so many bytes, came: an update went to all, a whole state mostly to us alone."""
         copies = self.copies if state.since else 1

@@ -243,7 +243,9 @@ class DigestBudget:
         """When the next digest may go out in so many copies, in our clock [s]; now or earlier means at once.
 
         Digests are so far `apart` at least [s]. For room beside what others tell we wait a second or two at most, one
-        window at least where that is shorter: else two of eight told at one moment (1.1 % over).
+        window at least where that is shorter: else two of eight told at one moment (1.1 % over). Where limits follow
+        the channel nobody is silent for longer than its equal part takes to pay for a digest, whatever it owes: four
+        robots behind 300 kbit/s owed their first digests for half a minute, and nobody knew how the channel was.
         """
         cost, slowest = self._size * copies, TUNING.slowest_digest
         common, own = self._levels(now)
@@ -253,6 +255,9 @@ class DigestBudget:
         affordable = min(self._afforded, now + (cost - own) / self._own_rate(common if own < cost else 0.0))
         room = now + max(0.0, cost * turn - common) / self.rate
         fits, patience = self._fits_at(now, cost), TUNING.unhurried if self._splits and not self._follows else slowest
+        if self._follows:
+            in_turn = self._robots * cost / (TUNING.ordinary_on_channel * self.rate)
+            affordable = min(affordable, self.last_ordinary + max(slowest, in_turn))
         window = self._window if self._window < slowest else 0.0
         until = max(affordable + window * turn, self.last_ordinary + patience * turn)
         due = max(now, affordable, min(max(room, fits), until))

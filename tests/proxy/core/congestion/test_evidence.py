@@ -104,6 +104,18 @@ def test_silence_is_when_nobody_hears_us():
     assert not liveness.silent(25.5)
 
 
+def test_that_nobody_can_afford_to_say_more_is_no_silence():
+    """Until what was told is paid for; what is overdue is noticed all the same, as it may wait in a queue."""
+    liveness = spoken(0.5, 20.0)
+    liveness.excuse(28.0)
+    liveness.excuse(25.0)
+    for i in range(1, 24):
+        liveness.digest_sent(20.0 + 0.5 * i)
+    assert not liveness.silent(30.0)
+    assert liveness.overdue(30.0, 0.1, 1)
+    assert liveness.silent(32.5)
+
+
 def test_what_is_overdue_is_noticed_before_silence():
     """Where all speak often; who seldom speaks does not expect much."""
     liveness = spoken(0.2, 20.0)

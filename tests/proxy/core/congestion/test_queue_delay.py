@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from proxy.core.congestion.queue_delay import OneWayDelays, standing_queue
+from proxy.core.congestion.tuning import TUNING
 
 
 def way(waits, *, clock=0.0, every=0.2, start=0.0):
@@ -46,6 +47,16 @@ def test_a_growing_queue_tells_what_comes_through():
     assert found is not None
     assert found.delay == pytest.approx(0.4)
     assert found.share == pytest.approx(0.5)
+
+
+def test_a_queue_drains_though_nobody_tells():
+    """What is left of it falls with the time since its newest digest, as little is sent meanwhile."""
+    found = standing_queue(2.0, [way([0.0, 0.0, 0.6, 0.6, 0.6])], 0.0, 0.1)
+    assert found is not None
+    assert found.seen_at == pytest.approx(0.8 + 0.01 + 0.6)
+    assert found.left(found.seen_at) == found.delay == pytest.approx(0.6)
+    assert found.left(found.seen_at + 0.5) == pytest.approx(0.6 - 0.5 * (1.0 - TUNING.least_while_draining))
+    assert found.left(found.seen_at + 2.0) < 0.0
 
 
 def test_one_robot_far_away_is_no_full_channel():

@@ -235,6 +235,22 @@ def test_where_limits_follow_the_channel_digests_go_on_though_all_owe_for_what_w
     assert (budget.due(4.0, apart=0.0, copies=4) <= 6.0) is follows
 
 
+@pytest.mark.parametrize("follows", [True, False])
+def test_where_limits_follow_the_channel_nobody_is_silent_for_long_whatever_it_owes(follows):
+    """Silence would be taken for a full channel. All together stay within the allowance; elsewhere debts come first."""
+    budget = DigestBudget(0.0)
+    budget.set_rate(500.0, 5, 5, follows=follows)
+    budget.follow(0.0, splits=True, quiet=False, begins=False, window=0.5)
+    for tenth in range(10):
+        budget.sent(tenth / 10.0, 110, 5)
+    told = [0.9]
+    while (due := budget.due(told[-1] + 0.1, apart=0.0, copies=5)) < 100.0:
+        budget.sent(due, 110, 5)
+        told.append(due)
+    assert (len(told) > 5 and told[1] < 15.0) is follows
+    assert (len(told) - 1) * 5 * (110 + OVERHEAD) * 5 <= 500.0 * 100.0
+
+
 def test_the_first_agreement_may_take_what_was_saved():
     """Until the team has begun; what is left of it is not spent later."""
     budget = budget_of(1000.0, robots=10, saved=15.0)

@@ -22,16 +22,23 @@ def test_limits_are_told_in_what_the_radio_carries():
 @pytest.mark.parametrize("ceiling", [6.0, pytest.param(50.0, marks=pytest.mark.full)])
 def test_what_is_small_and_urgent_comes_soon(ceiling):
     """Beside cameras for which there is no room, whatever an operator takes to be the most that the radio can carry."""
-    reached = Flight("mixed", 2, ceiling, 1, 25.0).fly()
+    reached = Flight("mixed", 2, 1.0, ceiling, 1, 25.0).fly()
     assert reached.kept >= 0.9
     assert reached.age[0] <= 0.2
     assert reached.alarms_sent == reached.alarms > 0
     assert reached.told <= 0.03 * mixed(2).rate
 
 
+@pytest.mark.full
+def test_a_team_on_a_poor_radio_goes_on_sending():
+    """One frame takes most of a second there, and what all tell at first half a minute's allowance."""
+    reached = Flight("mixed", 4, 0.3, 6.0, 1, 30.0).fly()
+    assert reached.kept >= 0.2
+
+
 def test_each_limit_has_a_row_beside_the_right_one(monkeypatch, tmp_path, capsys):
     """Which is what the others are measured by; rows are printed as they are flown, and the page tells how."""
-    monkeypatch.setattr(unknown, "TEAMS", (("cameras", 1),))
+    monkeypatch.setattr(unknown, "TEAMS", (("cameras", 1, 1.0),))
     page = tmp_path / "unknown.md"
     assert unknown.main(["--seeds", "1", "--seconds", "7", "--jobs", "1", "--output", str(page)]) == 0
     printed = capsys.readouterr().out.splitlines()
