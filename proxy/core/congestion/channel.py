@@ -43,10 +43,10 @@ class Capacity:
         self._control.set_limits(self._limits)
         self._take_effect()
 
-    def digest_received(self, now: float, digest: Digest) -> None:
-        """A digest of another robot arrived."""
+    def digest_received(self, now: float, digest: Digest, paid_at: float) -> None:
+        """A digest of another robot arrived; the allowance pays until `paid_at` [s] for what all told so far."""
         if self._limits:
-            self.evidence.digest_received(now, digest)
+            self.evidence.digest_received(now, digest, paid_at)
             if not digest.brief:
                 self._reports.note(now, digest)
 

@@ -1,5 +1,6 @@
 """What this robot itself sees of the channel, by the digests that it sends and receives."""
 
+import math
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Collection, Iterable, Sequence
@@ -144,6 +145,12 @@ class Liveness:
         self._received = self._newest = now
         self._echoed: deque[float] = deque((now,), maxlen=5)
         self._excused_until = now
+        """Until then the allowance of all pays for what was heard: that nobody says more is no silence [s].
+
+        After all that a team tells at first, which takes half a minute's allowance where limits are low, robots took
+        the silence for a dead channel, lowered their limits further, and so had still less to tell it with: four behind
+        300 kbit/s sent next to nothing for the rest of their flight.
+        """
 
     @property
     def last_sent(self) -> float:
@@ -154,9 +161,10 @@ class Liveness:
         """We send a digest."""
         self._sent.append(now)
 
-    def digest_received(self, now: float, waited: float = 0.0) -> None:
-        """A digest of another robot arrived that had waited so long on its way [s]."""
+    def digest_received(self, now: float, waited: float = 0.0, paid_at: float = -math.inf) -> None:
+        """A digest of another robot arrived that had waited so long on its way [s]; all are in debt until `paid_at`."""
         self._received = now
+        self._excused_until = max(self._excused_until, paid_at)
         self._newest = max(self._newest, now - waited)
 
     def echo_received(self, now: float) -> None:
@@ -167,15 +175,6 @@ class Liveness:
         """Nobody was there to be heard until now."""
         self._received = self._newest = now
         self._echoed = deque((now,), maxlen=5)
-
-    def excuse(self, until: float) -> None:
-        """Until then [s] the allowance of all pays for what was heard: that nobody says more is no silence.
-
-        After all that a team tells at first, which takes half a minute's allowance where limits are low, robots took
-        the silence for a dead channel, lowered their limits further, and so had still less to tell it with: four behind
-        300 kbit/s sent next to nothing for the rest of their flight.
-        """
-        self._excused_until = max(self._excused_until, until)
 
     def interval(self, now: float) -> float:
         """The longest time between two of our last digests [s]; the others' are as far apart."""
@@ -194,8 +193,10 @@ class Liveness:
         """Whether nothing gets through, one way or the other."""
         silence = max(TUNING.silence, TUNING.silence_intervals * self.interval(now))
         rare = min(TUNING.echo_intervals * _longest(self._echoed), TUNING.longest_echo_silence)
-        unheard, unechoed = (now - max(t, self._excused_until) for t in (self._received, self._echoed[-1]))
-        return unheard > silence or unechoed > max(TUNING.echo_silence * silence, rare)
+        if now - max(self._received, self._excused_until) > silence:
+            return True
+        # Who says nothing echoes nothing: that tells only of the others' silence.
+        return self._received - self._echoed[-1] > max(TUNING.echo_silence * silence, rare)
 
 
 def _longest(times: Iterable[float]) -> float:
@@ -222,13 +223,13 @@ class Evidence:
         if len(self._messages) > TUNING.remembered:
             del self._messages[next(iter(self._messages))]
 
-    def digest_received(self, now: float, digest: Digest) -> None:
-        """A digest of another robot arrived."""
+    def digest_received(self, now: float, digest: Digest, paid_at: float = -math.inf) -> None:
+        """A digest of another robot arrived; the allowance pays until `paid_at` [s] for what all told so far."""
         if not self.paths:
             self.liveness.restart(now)
         path = self.paths.setdefault(digest.tag, PathDelays())
         if path.inbound.note(now, digest.sent, now):
-            self.liveness.digest_received(now, path.inbound.last)
+            self.liveness.digest_received(now, path.inbound.last, paid_at)
         for echo in digest.echoes:
             if echo.peer == self._own and path.outbound.note(now, echo.sent, echo.received):
                 self.liveness.echo_received(now)

@@ -256,8 +256,7 @@ class DigestBudget:
         room = now + max(0.0, cost * turn - common) / self.rate
         fits, patience = self._fits_at(now, cost), TUNING.unhurried if self._splits and not self._follows else slowest
         if self._follows:
-            in_turn = self._robots * cost / (TUNING.ordinary_on_channel * self.rate)
-            affordable = min(affordable, self.last_ordinary + max(slowest, in_turn))
+            affordable = min(affordable, self.last_ordinary + max(slowest, cost / self._own_rate(-math.inf)))
         window = self._window if self._window < slowest else 0.0
         until = max(affordable + window * turn, self.last_ordinary + patience * turn)
         due = max(now, affordable, min(max(room, fits), until))

@@ -43,8 +43,7 @@ class MeshNews:
             self._parts.coordination.heard(now, digest)
             self._parts.mismatched.heard(digest.tag)
             self._parts.gossip.account.heard_digest(now, size)
-            self._parts.channel.capacity.digest_received(now, digest)
-            self._parts.channel.capacity.evidence.liveness.excuse(self._parts.gossip.account.paid_at(now))
+            self._parts.channel.capacity.digest_received(now, digest, self._parts.gossip.account.paid_at(now))
             self._parts.gossip.requests.compare(now, digest.tag, peer)
         return self._parts.view.clocks.compare(now, (peer,))
 

@@ -52,7 +52,7 @@ class Channel:
         echoes = (Echo("us", ours.sent, ours.sent + 500.0 + wait, samples, 0.0),) if self.hears_us else ()
         capacity = self.tells[peer], *self.tells_use
         told = Digest(peer, peer, now + 77.0 - wait, 0, 0, echoes=echoes, capacity=capacity)
-        self.capacity.digest_received(now, told)
+        self.capacity.digest_received(now, told, now)
 
     @property
     def factor(self):

@@ -81,7 +81,7 @@ def test_without_anybody_nothing_is_known():
     channel.capacity.set_limits(channel.now, (FIXED,))
     assert channel.capacity.factors == ()
     assert channel.capacity.due_at == math.inf
-    channel.capacity.digest_received(channel.now, Digest("x", "x", 0.0, 0, 0))
+    channel.capacity.digest_received(channel.now, Digest("x", "x", 0.0, 0, 0), channel.now)
     assert not channel.capacity.has_news(channel.now)
 
 

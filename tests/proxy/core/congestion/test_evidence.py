@@ -107,13 +107,22 @@ def test_silence_is_when_nobody_hears_us():
 def test_that_nobody_can_afford_to_say_more_is_no_silence():
     """Until what was told is paid for; what is overdue is noticed all the same, as it may wait in a queue."""
     liveness = spoken(0.5, 20.0)
-    liveness.excuse(28.0)
-    liveness.excuse(25.0)
+    liveness.digest_received(20.0, 0.0, 28.0)
+    liveness.digest_received(20.01, 0.0, 25.0)
     for i in range(1, 24):
         liveness.digest_sent(20.0 + 0.5 * i)
     assert not liveness.silent(30.0)
     assert liveness.overdue(30.0, 0.1, 1)
     assert liveness.silent(32.5)
+
+
+def test_that_all_owe_for_what_they_told_does_not_hide_that_nobody_hears_us():
+    """Although we hear the others, of whom each digest is to be paid for."""
+    liveness = spoken(0.5, 20.0)
+    for i in range(1, 12):
+        liveness.digest_sent(20.0 + 0.5 * i)
+        liveness.digest_received(20.0 + 0.5 * i, 0.0, 25.0 + 0.5 * i)
+    assert liveness.silent(25.5)
 
 
 def test_what_is_overdue_is_noticed_before_silence():
