@@ -107,6 +107,7 @@ def service(tmp_path):
     service.end()
 
 
+@pytest.mark.full
 def test_the_service_lives_as_systemd_wants_it(service):
     """It is ready, alive, reloads what is right and refuses what is not, and stops."""
     service.start()

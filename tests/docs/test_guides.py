@@ -75,6 +75,7 @@ def fleet(tmp_path):
         yield operator, daemons
 
 
+@pytest.mark.full
 def test_the_guide_to_fleets(fleet):
     """All robots take the specs, and then the mode; each says so."""
     folder, daemons = fleet

@@ -43,6 +43,7 @@ def test_any_bytes_are_either_a_spec_or_refused(data):
     one_file(data)
 
 
+@pytest.mark.full
 @given(st.lists(st.sampled_from(WORDS), max_size=25).map("".join) | st.text(max_size=40))
 def test_any_text_is_either_an_expression_or_refused(text):
     """Values are finite, and the same each time."""

@@ -198,6 +198,7 @@ def test_ctrl_c_is_no_traceback(add_on, load):
     assert main(["wait"]) == exit_codes.INTERRUPTED
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("words", [["check", "utility_specs/surveillance.toml"], ["schema"], ["--version"]])
 def test_output_without_room_is_told(tmp_path, words):
     """A full disk, or a file that may not be larger."""
@@ -271,6 +272,7 @@ def test_who_closed_the_output_gets_the_exit_code(tmp_path):
     assert (ended.returncode, ended.stderr) == (exit_codes.OK, "")
 
 
+@pytest.mark.full
 def test_a_daemon_runs_though_who_started_it_closed_all_it_could_write_to():
     """Its log goes nowhere, and no socket takes the place of that."""
     flags = ("--app.listen", f'["{(endpoint := f"tcp/127.0.0.1:{free_port()}")}"]', "--mesh.listen", "[]")

@@ -363,6 +363,7 @@ sys.exit(cli.main())
 """
 
 
+@pytest.mark.full
 def test_the_process_ends_although_the_mesh_stands_still(stack):
     """A daemon process with a frozen peer obeys SIGTERM at once."""
     mesh = free_endpoint()

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 
+import pytest
 import zenoh
 
 from tests.daemons import Running
@@ -78,6 +79,7 @@ def process(stack, source, *arguments):
     return started
 
 
+@pytest.mark.full
 def test_apps_that_hang_hold_up_nobody_else(stack):
     """Robots publish to them with BLOCK, so Zenoh's threads wait for them: others hear each other all the same."""
     mesh = f"tcp/127.0.0.1:{free_port()}"

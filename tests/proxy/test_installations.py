@@ -3,6 +3,7 @@
 import itertools
 import json
 
+import pytest
 import zenoh
 
 from proxy.bridge import keys
@@ -119,6 +120,7 @@ def everything_crosses(one, other, name):
         shows_token(here, there, f"{key}/token")
 
 
+@pytest.mark.full
 def test_apps_stay_at_the_router_they_know_and_its_restart_heals(stack, caplog):
     """With `[app] connect` everything crosses once, both ways; after a restart of the router it does again."""
     caplog.set_level("INFO")
@@ -140,6 +142,7 @@ def test_apps_stay_at_the_router_they_know_and_its_restart_heals(stack, caplog):
     assert first.status()["warnings"] == []
 
 
+@pytest.mark.full
 def test_routers_that_are_linked_around_the_daemons_double_nothing(stack):
     """Of two daemons whose apps are joined one bridges for both, and says so; a third robot hears all once.
 

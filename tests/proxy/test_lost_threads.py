@@ -27,6 +27,7 @@ sys.exit(main())
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "module", "cls", "method"),
     [("loop", "proxy.loop", "Loop", "_run"), ("watch", "proxy.bridge.mirroring", "Mirroring", "_run")],

@@ -30,6 +30,7 @@ def answer(*arguments):
     return [line.split() for line in done.stdout.splitlines()[-2:]]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("command", "bound"), [("run", "False"), ("config", "True")])
 def test_only_the_daemon_does_without(command, bound):
     """Its hashes are the same."""

@@ -97,6 +97,7 @@ def test_a_daemon_that_has_nothing_to_decide_imports_nothing_heavy(specs):
     assert (HEAVY | EXTRAS | SERVERS | FOR_MISTAKES | OTHERS).isdisjoint(imported)
 
 
+@pytest.mark.full
 def test_a_daemon_that_is_watched_imports_no_servers_of_others(specs, tmp_path):
     """Nor what only reads recordings: OpenSSL, what reads mail and archives would be 8 MB of it."""
     imported = modules(IDLE, free_port(), free_port(), specs, f"127.0.0.1:{free_port()}", tmp_path / "recordings")

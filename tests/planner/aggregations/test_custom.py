@@ -47,6 +47,7 @@ def test_stream_with_few_states_is_closed():
     assert gains.closed
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seed", seeds(6, 1))
 def test_open_ended_stream_is_searched_by_what_its_plans_are_really_worth(seed):
     """More states than the table holds: the search still finds the best of all subsets, and claims no bound."""

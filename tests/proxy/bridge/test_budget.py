@@ -50,6 +50,7 @@ def test_who_says_too_much_takes_nothing_from_the_others(robots):
         assert admitted[name] == pytest.approx(10.0 + 10.0 * 100.0, abs=2.0)
 
 
+@pytest.mark.full
 def test_many_that_say_too_much_leave_each_its_part():
     """All together cause no more than they may, but for what they have saved."""
     budget = Budget(10.0, 100.0, lambda: 49)

@@ -382,6 +382,7 @@ def test_tokens_of_a_robot_that_vanishes_vanish(pair):
     del token
 
 
+@pytest.mark.full
 def test_wishes_that_come_and_go_cost_a_standing_one_nothing(pair):
     """While wider and overlapping subscriptions come and go, the one that stays hears everything once, in order."""
     publisher = pair[0].node().declare_publisher("flow/a", congestion_control=zenoh.CongestionControl.BLOCK)

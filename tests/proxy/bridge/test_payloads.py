@@ -125,6 +125,7 @@ with ExitStack() as closing_all:
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("held", ["waiting", "keep", "content"])
 def test_a_small_sample_takes_little_memory(held):
     """Not all that Zenoh received it in: four hundred that came beside images took 14 MB."""

@@ -131,6 +131,7 @@ def modes(*robots):
     return [robot.status()["mode"] for robot in robots]
 
 
+@pytest.mark.full
 def test_robots_with_a_token_obey_who_knows_it(sworn, capsys, monkeypatch):
     """Others are refused, logged and counted; the token is on no link, and what is there gives no second order."""
     r1, r2, file, eavesdropper = sworn
@@ -187,6 +188,7 @@ def test_a_token_file_that_is_replaced_holds_at_once(sworn, capsys):
     assert modes(r1, r2) == ["shadow", "shadow"]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("token", ["", KNOWN])
 def test_python_runs_for_who_knows_the_token_alone(start, tmp_path, capsys, monkeypatch, token):
     """Without one whoever is on the mesh could have robots run anything by specs."""

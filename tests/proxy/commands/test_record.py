@@ -69,6 +69,7 @@ def test_ctrl_c_ends_it_in_order(daemon, tmp_path):
     assert not reader.problems
 
 
+@pytest.mark.full
 def test_it_ends_where_nobody_reads_what_it_prints(daemon, capsys):
     """A pipe that is closed: the daemon would record until its folder is full."""
     reading, writing = os.pipe()
@@ -91,6 +92,7 @@ def test_a_daemon_that_cannot_record_is_told(start, tmp_path, capsys):
     assert record(running, "--off") == exit_codes.FAILED
 
 
+@pytest.mark.full
 def test_a_daemon_that_is_killed_leaves_what_it_recorded(start, tmp_path):
     """The file is read as far as it goes."""
     folder = tmp_path / "recordings"

@@ -51,6 +51,7 @@ sys.exit(main())
 """
 
 
+@pytest.mark.full
 def test_a_busy_daemon_ends_cleanly(start):
     """Its loop, that still searches when it stops, aborts nothing, and nothing is said of what it has in hand."""
     daemon = start("--robot", "r1", program=("-c", BUSY))
@@ -154,6 +155,7 @@ def test_a_missing_configuration_is_a_bad_one(start, tmp_path):
     assert daemon.lines == [f"{tmp_path}/gone.toml: does not exist\n"]
 
 
+@pytest.mark.full
 def test_a_port_in_use_is_one_clear_line(start):
     """The second daemon on a robot gives up and says which port is taken."""
     first = start("--robot", "r1")

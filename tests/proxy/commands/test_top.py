@@ -145,6 +145,7 @@ def test_the_terminal_is_given_back_whatever_ends_it(daemon, screen, number):
     assert same
 
 
+@pytest.mark.full
 def test_a_daemon_may_go_and_come_back(start, screen, tmp_path):
     """What it said last stays, keys are heard meanwhile, and it goes on by itself."""
     arguments = ("--robot", "r1", "--specs.path", str(specs_file(tmp_path)))

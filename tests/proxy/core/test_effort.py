@@ -5,6 +5,8 @@ from collections import Counter
 from pathlib import Path
 from statistics import median
 
+import pytest
+
 import proxy.core.core
 from proxy.core.interface import events as ev
 from proxy.core.interface.commands import Decide, Forward, SendDigest
@@ -98,6 +100,7 @@ def test_what_is_heard_is_little_work_however_many_streams_there_are(make_talk, 
     assert counts[1] <= 60
 
 
+@pytest.mark.full
 def test_which_streams_ceased_is_not_looked_for_at_each_digest(make_talk, make_specs):
     """Of a thousand streams, under a limit that leaves much to digests, that took 40 % of the robot's time."""
     talk, streams = make_talk(make_specs("80 Mbit/s"), allowance=0.02), 200

@@ -124,6 +124,7 @@ def test_who_takes_nothing_is_closed():
     asyncio.run(run())
 
 
+@pytest.mark.full
 def test_silent_connections_do_not_shut_out_browsers():
     """They take all places, but not for long."""
     page = Served("--connect", f"tcp/127.0.0.1:{free_port()}")

@@ -31,6 +31,7 @@ def test_what_comes_is_guarded_by_headers(page):
         assert headers["Access-Control-Allow-Origin"] is None
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "host",
     [
@@ -100,6 +101,7 @@ def test_other_methods_are_refused(page, method):
     assert page.ask(method, "/filter")[0] == 405
 
 
+@pytest.mark.full
 def test_each_start_has_another_token(page):
     """It stands behind #, which browsers keep to themselves."""
     other = Served("--connect", f"tcp/127.0.0.1:{free_port()}")

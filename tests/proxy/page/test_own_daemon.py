@@ -3,11 +3,14 @@
 import json
 import signal
 
+import pytest
+
 from tests.daemons import Running
 from tests.pages import SPECS, Camera, Served
 from tests.ports import free_port
 
 
+@pytest.mark.full
 def test_a_page_joins_the_mesh_by_itself(stack, tmp_path):
     """It sees a robot's images, obeys what it orders, takes up files that change, and ends in order."""
     mesh, app = (f"tcp/127.0.0.1:{free_port()}" for _ in range(2))

@@ -53,6 +53,7 @@ def test_what_is_no_demo_offers_nothing_and_ends_nothing(daemon, answer):
         watch.stop()
 
 
+@pytest.mark.full
 def test_specs_that_cannot_be_read_for_a_while_end_nothing(tmp_path, monkeypatch):
     """As where /tmp is full: the page says so and still looks, and reads them as soon as it can."""
     with ExitStack() as closing:

@@ -123,6 +123,7 @@ def test_another_file_begins_when_the_wall_clock_was_set(output, tmp_path):
     assert times == [int((published(number).now + right) * 1e9) for number in (3, 5)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("size", [200, 20_000, 200_000])
 def test_the_least_bound_keeps_the_file_before(tmp_path, size):
     """All take twice what a file may, at most, and of a rotated recording there always is more than the last file."""

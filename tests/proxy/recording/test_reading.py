@@ -115,6 +115,7 @@ def test_messages_that_are_none_are_left_out(tmp_path):
     assert "there is no such event" in problems[1]
 
 
+@pytest.mark.full
 def test_a_file_is_read_as_far_as_it_goes(tmp_path):
     """Wherever it is cut off."""
     whole = recorded(tmp_path / "a.mcap", events=60, chunks=6).read_bytes()

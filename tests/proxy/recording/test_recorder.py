@@ -77,6 +77,7 @@ def test_events_are_noted_with_what_follows(record, tmp_path):
     assert third.fault == "KeyError: 7"
 
 
+@pytest.mark.full
 def test_a_thousand_samples_a_second_are_all_there(record, tmp_path):
     """And twenty times as many for a moment."""
     recorder = record()

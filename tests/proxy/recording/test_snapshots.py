@@ -15,6 +15,7 @@ from tests.proxy.recording.flights import fewer_types, flown
 from utility_specs import Specs
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("workload", "robots", "team", "loss", "change"),
     [

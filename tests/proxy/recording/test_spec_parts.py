@@ -111,6 +111,7 @@ def test_no_other_places_are_there(load, place):
         SpecParts(load()).at(place)
 
 
+@pytest.mark.full
 def test_a_core_under_such_specs_does_the_same_elsewhere(load):
     """Also while it waits for an answer, with what functions of the operator's say, and copies for who is away."""
     specs = load()

@@ -8,6 +8,7 @@ from studies.benchmarks.charts import Chart, Series
 SERIES = (Series("few", (98.0, None, 97.0)), Series("many", (90.0, 91.0, 92.0)))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", ["bars", "lines"])
 @pytest.mark.parametrize("logarithmic", [True, False])
 def test_picture_is_drawn(tmp_path, kind, logarithmic):

@@ -28,6 +28,7 @@ def test_tables_have_a_row_for_each_design(measured):
     assert "proven for 6 of 6" in windows.note
 
 
+@pytest.mark.full
 def test_best_mode_finds_the_best_plans_of_easy_windows():
     """With a short horizon nothing is lost, and it shows."""
     measured = {one.design: one for one in search(Mission(0, 1, 5, 8.0), horizon=12, begin=20, count=3)}

@@ -12,6 +12,7 @@ from studies.benchmarks.quality import RuleBrokenError
 POINT = Point(limit=3, scenario=1)
 
 
+@pytest.mark.full
 def test_every_form_flies_the_same_mission_within_its_bound():
     """Paper mode as it is comes first; slow ones fly the first mission with the least budget."""
     job = partial(fly, catalogue=forms, iterations=BUDGETS[0], seconds=1.5)
@@ -21,6 +22,7 @@ def test_every_form_flies_the_same_mission_within_its_bound():
     assert all(0 < one.share <= 1 + 1e-9 for one in first + second)
 
 
+@pytest.mark.full
 def test_what_a_deviation_is_worth_is_told_mission_by_mission():
     """By how far paper mode as it is is ahead, of the missions that the other form flew."""
     first = [deviations.Flight(POINT, seed, "a", share) for seed, share in ((0, 0.9), (1, 0.7))]

@@ -36,6 +36,7 @@ def test_tables_show_the_mean_and_the_worst_mission_of_each_point():
         assert cell == f"{sum(shares) / 2:.2f} ({min(shares):.2f})"
 
 
+@pytest.mark.full
 def test_processes_measure_what_one_does():
     """How the work is shared changes no figure."""
     where = [Point(1, 1, latency=0.3)]

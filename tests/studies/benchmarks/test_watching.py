@@ -58,6 +58,7 @@ def test_a_row_for_each_who_watches_the_whole_last():
     assert [row[1] for row in memory.rows] == ["+2.0", "+3.0", "50.0%"]
 
 
+@pytest.mark.full
 def test_who_watches_is_switched(tmp_path, stack):
     """A daemon records while it should, is scraped, and asked."""
     address = f"127.0.0.1:{free_port()}"

@@ -75,6 +75,7 @@ def test_what_makes_no_sense_is_answered_with_an_error(session, key, wanted, wor
     assert ask(session, key, wanted) == words
 
 
+@pytest.mark.full
 def test_something_red_is_put_into_a_way_and_seen(session):
     """The robot's camera shows it to the operator; before, it did not."""
     seen = []

@@ -67,6 +67,7 @@ def test_frames_have_the_size_of_a_cameras(robot):
     assert all(30_000 <= len(view.frame(number).jpeg) <= 40_000 for number in range(0, 300, 30))
 
 
+@pytest.mark.full
 def test_wheels_are_red_and_no_object():
     """Robots that meet see some red, but less than of an object."""
     views = [scene(robot, episodes=[]) for robot in range(ROBOTS)]
@@ -75,6 +76,7 @@ def test_wheels_are_red_and_no_object():
     assert max(reds) < RED
 
 
+@pytest.mark.full
 def test_the_daemon_measures_the_red_that_is_said():
     """The feature of a spec finds it in the JPEG."""
     feature = ColorFraction("red")

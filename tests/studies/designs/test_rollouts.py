@@ -10,6 +10,7 @@ from tests.planner.windows import objectives, optimum, window
 POLICIES = (ByGainPerUse, ByAdvantage)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("policy", POLICIES)
 def test_it_finds_the_optimum_of_small_windows(policy):
     """With time enough to try all that is worth it."""

@@ -93,6 +93,7 @@ def test_a_bag_that_lacks_only_its_index_is_read_to_its_end(tmp_path):
     assert "File end magic is invalid; its files hold 90 messages all the same" in problems[0]
 
 
+@pytest.mark.full
 def test_a_bag_that_is_damaged_is_read_up_to_there(tmp_path):
     """And what is wrong is told."""
     path = write_bag(tmp_path / "bag", messages=8000) / "bag.mcap"

@@ -42,6 +42,7 @@ def test_upper_bound_is_one(problem):
         assert solution.utility == pytest.approx(best, rel=1e-6, abs=1e-6)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("block", seeds(8, 1))
 def test_all_kinds_at_once(block):
     """With all aggregations, several receivers and up to three constraints the optimum is that of all subsets.
@@ -61,6 +62,7 @@ def test_all_kinds_at_once(block):
         assert not bound.exact or bound.utility <= best + rounding, seed
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(2))
 def test_a_mission_of_all_kinds(seed):
     """A mission of all aggregations, two constraints and messages that exceed one of them: bound, optimum, a policy."""

@@ -46,6 +46,7 @@ def test_what_uses_less_of_the_limit_comes_first():
     assert by_age(window((0, 10.0, 1.2, 1.0, False), large, current=0))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.name)
 def test_flights_break_no_constraint_and_beat_sending_whenever_it_fits(scenario):
     """It does plan for nothing but age, which is better than nothing where weights differ."""

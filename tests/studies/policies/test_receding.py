@@ -12,6 +12,7 @@ from studies.workload import MIXED, MOST_IMPORTANT, mission
 LIMIT = Constraint("messages", 2.5, 5.0)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("budget", [1, 100_000])
 def test_a_mission_within_the_horizon_is_flown_optimally(budget):
     """Of a mission that one window holds it finds the integer optimum, by the search and by HiGHS alike."""

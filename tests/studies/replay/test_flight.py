@@ -23,6 +23,7 @@ def fates(outcomes):
     return [outcomes.reasons[fate] for fate in columns.fate.tolist()]
 
 
+@pytest.mark.full
 def test_what_is_worth_most_goes_within_the_limit():
     """The core of a daemon decides; what was red goes rather than what was not."""
     outcomes, flight, seen = flown(samples(seconds=60))
@@ -74,6 +75,7 @@ def test_samples_are_read_as_they_fly():
     assert max(ahead) <= 2
 
 
+@pytest.mark.full
 def test_what_no_spec_covers_passes_and_leaves_less_to_others():
     """Undecided, as with a daemon; so does what bypasses."""
     told = sorted([*samples(), *samples(key="r1/pose", size=900)], key=lambda each: each.t)

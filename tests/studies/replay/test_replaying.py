@@ -51,6 +51,7 @@ def replay(*arguments, file="traffic.mcap"):
     return code, json.loads(Path("found.json").read_text()) if code == exit_codes.OK else None
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("place")
 def test_what_would_have_been_done_is_told_in_figures(capsys):
     """Altogether and by type, beside a bound that nothing exceeds."""
@@ -121,6 +122,7 @@ def test_loss_is_tried(policy, capsys):
     assert found["loss"] == 0.3
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("place")
 def test_adaptive_limits_are_not_guessed(capsys):
     """Mere traffic says nothing of the channel; a throughput of one's own does."""
@@ -147,6 +149,7 @@ def test_of_limits_that_cannot_be_read_nobody_knows_what_the_channel_bore(capsys
     assert "--specs names others" not in told
 
 
+@pytest.mark.full
 def test_the_page_needs_nothing_else(place):
     """One file without anything from elsewhere, whatever names are in it."""
     (place / "traffic.mcap").rename("<b>.mcap")
@@ -170,6 +173,7 @@ def test_files_that_cannot_be_written_are_named_before_anything_is_flown(capsys,
     assert (shown.out, shown.err) == ("", "sendworthy replay: none/x: No such file or directory\n")
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("place")
 def test_json_may_go_where_the_table_would(capsys):
     """For scripts."""
@@ -237,6 +241,7 @@ def test_the_words_of_traffic_cannot_command_the_terminal(capsys):
     assert "\x1b" not in shown.out + shown.err
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("place")
 def test_what_is_named_twice_counts_once(tmp_path, capsys):
     """Flown anew, replayed exactly, and in a study or a mission of it."""

@@ -148,6 +148,7 @@ def recording(folder, robot):
     return RecordingReader(file)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("robot", ["r1", pytest.param("r2", marks=pytest.mark.full)])
 def test_a_real_daemon_s_decisions_are_the_same_to_the_last(folder, robot):
     """Every plan and every command, over a reload of the specs."""

@@ -68,6 +68,7 @@ def test_samples_may_take_longer_than_what_is_lent_ahead_of_time(fly):
     assert sum(d.frame.size for d in arrived if 4.0 <= d.t_rcv < 8.0) >= 0.35 * 4.0 * RATE
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("delay", [0.03, *(pytest.param(delay, marks=pytest.mark.full) for delay in (0.01, 0.02))])
 def test_who_leads_goes_on_hearing_of_the_channel(fly, delay):
     """Also while robots save up for a digest to all: silence would be taken for a queue."""

@@ -116,6 +116,7 @@ utility = { kind = "linear", u0 = 1.0, slope = 0.5 }
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("back", ["r0", "r1", "r2"])
 def test_who_comes_back_sends_within_a_second_though_the_others_go_on(tmp_path, back):
     """Nothing that is told to those who are there keeps it waiting, whether it led before or not."""

@@ -46,6 +46,7 @@ def flown(weight):
     return team.run(frames, 2.0 + SECONDS)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("weight", "least"), [(0.1, 0), (100.0, 1)])
 def test_a_large_sample_is_sent_when_it_is_worth_what_it_displaces(weight, least):
     """Small ones go beside it as far as all keeps the limit on average; else they are sent alone."""

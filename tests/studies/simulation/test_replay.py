@@ -23,6 +23,7 @@ def flight(request):
     return flying
 
 
+@pytest.mark.full
 def test_by_the_same_clocks_everything_falls_alike(flight):
     """Each robot weighs and sends the same samples, and finds the same."""
     alike = decided_alike(flight, {}, END)

@@ -90,6 +90,7 @@ def windows(deliveries):
     return sizes[1:] - sizes[np.searchsorted(sent, sent - WINDOW, "left")]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("coordination", "loss"), [pytest.param("split", 0.0, marks=pytest.mark.full), ("split", 0.2), ("announce", 0.0)]
 )
@@ -128,6 +129,7 @@ def test_who_sees_red_sends_more_often(specs, carried, times):
     assert red >= times * others > 0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("coordination", "close"),
     [
@@ -224,6 +226,7 @@ def test_where_robots_broadcast_a_digest_follows_what_was_sent():
         assert member.core.wake_at(now) > now
 
 
+@pytest.mark.full
 def test_nobody_is_woken_again_and_again_while_it_may_not_speak():
     """In a second a few dozen times, not as often as a machine can."""
     how = Conditions(transport="broadcast", seconds=0.5)
@@ -238,6 +241,7 @@ def test_nobody_is_woken_again_and_again_while_it_may_not_speak():
         assert 1 <= woken < 100
 
 
+@pytest.mark.full
 def test_a_robot_that_sends_everything_leaves_the_others_their_small_samples(tmp_path):
     """Twice the limit, which all hear: without the floor none of them sent one after the first seconds."""
     path = tmp_path / "spec.toml"
@@ -254,6 +258,7 @@ def test_a_robot_that_sends_everything_leaves_the_others_their_small_samples(tmp
     assert min(sent[f"r{r}", "op"] for r in (2, 3, 4)) >= 40
 
 
+@pytest.mark.full
 def test_robots_split_constraints_of_all_kinds_at_once(tmp_path):
     """The union keeps bytes, messages and airtime in every window, each robot its own energy; and much is sent."""
     path = tmp_path / "spec.toml"

@@ -31,6 +31,7 @@ def flown(names):
     return sum(air.frame.size < 1000 for air in sent), sum(air.size for air in sent)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("names", [pytest.param(1, marks=pytest.mark.full), 50])
 def test_names_that_come_and_go_without_a_word_cost_a_team_nothing(names):
     """Each would have a part of the limit, and a copy of each sample: fifty left four robots 1 % of small samples."""

@@ -136,6 +136,7 @@ def test_wrong_wall_clocks_alter_no_decision(right):
     assert min(map(np.mean, same.values())) >= 0.98
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("flown", ["drifting", pytest.param("losing", marks=pytest.mark.full)])
 def test_offsets_are_right_within_what_they_claim(request, flown):
     """However clocks drift, and with digests that are late or lost."""
@@ -146,6 +147,7 @@ def test_offsets_are_right_within_what_they_claim(request, flown):
         assert error <= 0.01
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("flown", ["quick", pytest.param("stepping", marks=pytest.mark.full)])
 def test_latencies_are_right_by_size_on_both_ends(request, flown):
     """As the receiver finds, as the sender is told, and as the third robot overhears."""

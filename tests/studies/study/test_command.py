@@ -72,6 +72,7 @@ def test_figures_are_written_as_json(capsys):
     assert json.loads(Path("other.json").read_text())["received"] != found["received"]
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("place")
 def test_a_picture_is_drawn():
     """Of the kind that its name says."""
@@ -129,6 +130,7 @@ def test_without_its_extra_it_says_which_to_install(monkeypatch, capsys):
     assert 'needs the extra "record": pip install "sendworthy[record]"' in capsys.readouterr().err
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("place")
 @pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
 def test_a_picture_that_finds_no_room_is_told(capsys, kind):

@@ -49,6 +49,7 @@ def test_one_who_decides_for_all_is_bounded_too():
     assert found["sent"] == int(found["sent"])
 
 
+@pytest.mark.full
 def test_an_operator_receives_where_messages_go_to_one():
     """Each of them is received once."""
     found = fly_one(TASK.but(unicast=True))

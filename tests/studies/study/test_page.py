@@ -87,6 +87,7 @@ def test_every_figure_is_there(folder):
         assert cv2.imread(str(path)).std() > 1.0
 
 
+@pytest.mark.full
 def test_a_logarithmic_axis_may_begin_at_nothing(tmp_path):
     """No iterations stand left of one, then come decades."""
     extent = replace(QUICK, sweeps=("iterations",), points=100)
@@ -114,6 +115,7 @@ def test_the_same_results_make_the_same_files(folder, tmp_path):
         assert (tmp_path / "results" / path.name).read_bytes() == path.read_bytes()
 
 
+@pytest.mark.full
 def test_a_study_that_is_not_over_says_so(tmp_path):
     """With what there is."""
     write(Results(Store(tmp_path / "records.jsonl")), replace(QUICK, sweeps=()), tmp_path / "RESULTS.md", NOW)

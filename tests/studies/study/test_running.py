@@ -28,6 +28,7 @@ def flown(tmp_path_factory):
     return store
 
 
+@pytest.mark.full
 def test_what_was_flown_is_not_flown_again(flown):
     """A run goes on where another one ended."""
     assert run(TASKS, Store(flown.path)).flown == 0

@@ -261,6 +261,7 @@ def flown(workload, robots, contender, seed=0, later=0.0):
     return times, (total[1:] - total[ends]) / mission.carried, team
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("contender", "robots", "later"),
     [

@@ -63,6 +63,7 @@ def sends(turns, part, *, seconds=60.0, small=0.0):
     return found
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("robots", "part"), [(26, 0.07), (30, 0.11), (50, 0.04), (40, 0.3), (6, 0.34), (4, 0.6), (6, 0.25), (12, 0.49)]
 )

@@ -140,6 +140,7 @@ def begins_together(robots, seed):
     return small, [frame for frame in small if id(frame) not in sent], held.max() / mission.limit
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seed", seeds(7, few=3))
 @pytest.mark.parametrize(("robots", "fullest"), [(4, 1.1), (8, 1.4)])
 def test_a_team_that_begins_in_one_moment_loses_no_small_sample(robots, fullest, seed):

@@ -145,6 +145,7 @@ def boasts(now, number):
     return StreamDigest(1, number, number, now, now, 25_000, 1.0), number, 25_000 * number
 
 
+@pytest.mark.full
 def test_who_claims_what_nobody_gets_takes_an_equal_part(specs):
     """It takes all for a moment; then the others have a third each. Confirmed sends are no lies."""
     air = Air(specs)
@@ -213,6 +214,7 @@ def test_claims_are_not_judged_while_robots_come_and_go_but_soon_after(specs):
     is_found(air)
 
 
+@pytest.mark.full
 def test_under_other_limits_claims_are_judged_anew(specs, tmp_path):
     """An equal part of those before was kept to for a minute, whatever there was room for."""
     air = Air(specs)
@@ -237,6 +239,7 @@ def test_without_lies_nothing_is_hollow(specs):
     assert not air.found()
 
 
+@pytest.mark.full
 def test_what_plain_nodes_are_heard_to_send_is_no_claim(specs):
     """They tell nothing, and nobody what came of them: who gives way to them goes on to do so."""
     air = Air(specs, allowance=0.2)
@@ -264,6 +267,7 @@ def test_who_sends_little_for_reasons_of_its_own_is_wronged_by_nobody(tmp_path):
     assert air.rate(10.0) < 0.2 * LIMIT
 
 
+@pytest.mark.full
 def test_who_asked_for_split_is_left_with_it(specs):
     """There what others send does not matter, and parts hold whatever becomes of news."""
     air = Air(specs, "split")
@@ -273,6 +277,7 @@ def test_who_asked_for_split_is_left_with_it(specs):
     assert not air.found()
 
 
+@pytest.mark.full
 def test_claims_are_judged_anew_after_a_vote_to_split(specs):
     """While it stood claims did not matter, and what was sent or held back then tells nothing of them."""
     air, strict = Air(specs), Core(CoreSettings("a", TAGS["a"], coordination="split"), specs, 0.0)
@@ -290,6 +295,7 @@ def test_claims_are_judged_anew_after_a_vote_to_split(specs):
     assert not voted.found(air.now)
 
 
+@pytest.mark.full
 def test_what_was_sent_long_ago_hides_no_claim(specs):
     """Its samples slowly grow: that makes the many before no larger, and is nothing that it sends now."""
     air, claimed = Air(specs), count(20, 20)

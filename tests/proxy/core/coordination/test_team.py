@@ -421,6 +421,7 @@ def test_who_hears_that_announcements_cost_another_one_too_much_keeps_to_an_equa
         assert team.coordination.team.quiet is quiet
 
 
+@pytest.mark.full
 def test_a_team_for_which_announcing_comes_to_cost_too_much_changes_over_together():
     """One that announced no more seemed silent to the others for up to 9 s: 13 % of the windows were over the limit."""
     kinds = (

@@ -201,6 +201,7 @@ def test_who_is_alone_tells_nothing(make_talk):
     assert [news.forwarded for news in digests(talk)[0].streams] == [10]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "how",
     [

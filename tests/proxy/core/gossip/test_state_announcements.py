@@ -90,6 +90,7 @@ def test_what_is_too_much_is_left_out_and_counted():
     assert shortened(TOLD) == (TOLD, 0)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("letter", ["k", "ä", "温", "🛰"])
 @pytest.mark.parametrize("length", [1, 20, 250])
 def test_as_much_is_told_as_others_read(letter, length):

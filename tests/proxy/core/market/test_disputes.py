@@ -250,6 +250,7 @@ def booked(talk, now):
     return talk.core.budget.limits[0].limit - disputes(talk).left(now)[0][0]
 
 
+@pytest.mark.full
 def test_who_says_in_time_that_nothing_is_new_is_not_taken_to_send_as_we_do(tmp_path):
     """Its only sample was an alarm: news of it are rare, but not late."""
     talk = begun(tmp_path / "spec.toml", allowance=0.05)
@@ -456,6 +457,7 @@ features.red = {{ kind = "color_fraction", color = "red" }}
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("aggregation", "at_once"), [("most_recent", False), ("current", True)])
 def test_that_something_is_gone_is_sent_at_once(make_talk, make_specs, aggregation, at_once):
     """Twenty small streams of 10 Hz of which the limit carries some; what one of them found is gone at 6 s."""

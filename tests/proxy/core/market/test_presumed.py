@@ -111,6 +111,7 @@ def test_nothing_is_presumed_of_a_robot_that_is_overheard(make_specs, a_row, our
     assert list(presumed.robots) == ([] if ours == theirs == AIR else ["r2"])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("before", [0.0, pytest.param(5.0, marks=pytest.mark.full)])
 def test_a_team_that_could_not_tell_what_it_sends_keeps_the_limit(before):
     """Twelve robots with small samples alone, which may tell each other 1.3 kB/s: each knew of one or two streams.

@@ -109,6 +109,7 @@ def test_new_streams_that_come_all_the_time_need_no_search_on_an_idle_channel(ma
     assert len(talk.all(Forward)) == 100
 
 
+@pytest.mark.full
 def test_of_a_burst_so_many_are_taken_up_at_one_event(make_talk, make_specs):
     """The core is called again at once for the rest."""
     talk = make_talk(make_specs(limit="80 Mbit/s"), inbox=1000)

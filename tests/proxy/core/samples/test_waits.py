@@ -313,6 +313,7 @@ def sent(talk, turns):
     return found
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("guarantee", "goes"), [("", ["camera", "camera", "camera"]), ('min_rate = "0.03 Hz"', ["map", "map", "map"])]
 )

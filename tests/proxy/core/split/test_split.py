@@ -184,6 +184,7 @@ def test_one_that_never_agrees_keeps_parts_as_they_were():
     assert all(0.5 * before[name] <= after[name] <= before[name] for name in before)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("robots", "delay", "least"),
     [

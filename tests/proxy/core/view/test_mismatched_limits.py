@@ -167,6 +167,7 @@ GHOST = "0000000000ff"
 """A robot whose tag is the least."""
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("wire", [0, VERSION + 2, VERSION - 2])
 def test_a_robot_that_is_not_understood_is_no_veto(tmp_path, wire):
     """It says nothing, or speaks another version: the others deliver, and their operators know."""

@@ -228,6 +228,7 @@ def gaps(times):
     return [b - a for a, b in itertools.pairwise(times)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("guarantee", "most"), [('min_rate = "0.5 Hz"', 2.0), ('max_age = "1500 ms"', 1.5), ('min_rate = "1 Hz"', 1.0)]
 )

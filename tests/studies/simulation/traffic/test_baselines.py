@@ -54,6 +54,7 @@ def test_what_is_larger_than_a_part_goes_by_turns_or_is_saved_up_for():
     assert max(turns.silence.values()) < 1.0
 
 
+@pytest.mark.full
 def test_turns_are_as_close_as_messages_allow():
     """Five of equal size in a window of the limit that holds five."""
     mission = draw("uniform-most", 10, 0, 30.0, latency=0.02)

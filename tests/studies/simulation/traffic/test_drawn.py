@@ -66,6 +66,7 @@ def test_what_offers_less_than_the_limit_is_not_flown():
     assert all(drawn.reach(seed, 8.0) is None for seed, load in loads.items() if not least < load < most)
 
 
+@pytest.mark.full
 def test_the_page_shows_the_worst_first(tmp_path, capsys):
     """All are printed; the page has as many rows as were flown."""
     page = tmp_path / "drawn.md"
@@ -80,6 +81,7 @@ def test_the_page_shows_the_worst_first(tmp_path, capsys):
     assert f"--first {first} --seeds 1 --seconds 10" in page.read_text()
 
 
+@pytest.mark.full
 def test_unequal_teams_are_flown_where_they_are_asked_for(tmp_path, capsys):
     """The page says how they differ, and how to fly them again; 10 s that hold more than they may are a failure."""
     page = tmp_path / "drawn.md"
@@ -103,6 +105,7 @@ def test_audiences_are_drawn_beside_the_team_of_a_seed():
         assert shared.interests(30.0) == shared.interests(30.0)
 
 
+@pytest.mark.full
 def test_teams_fly_with_audiences_of_their_own(tmp_path, capsys):
     """What all get counts: one decider sends the same copies, and the operator's looks are the same."""
     page, found = tmp_path / "drawn.md", None
@@ -122,6 +125,7 @@ def test_teams_fly_with_audiences_of_their_own(tmp_path, capsys):
     assert "--seconds 15 --audiences" in page.read_text()
 
 
+@pytest.mark.full
 def test_where_nothing_is_disputed_nothing_is_flown(capsys):
     """And the command says so."""
     with pytest.raises(SystemExit):

@@ -12,6 +12,7 @@ from studies.simulation.traffic.scores import score
 from studies.simulation.traffic.workloads import MBIT, SMALL, Workload
 
 
+@pytest.mark.full
 def test_one_decider_keeps_the_limit_at_any_latency():
     """It sends for all streams, and waits for nobody."""
     for latency in (0.02, 1.0):
@@ -57,6 +58,7 @@ def test_a_large_team_keeps_the_limit_and_the_allowance_and_nobody_is_silent(tea
     assert max(found.silence.values()) < 4.0
 
 
+@pytest.mark.full
 def test_in_a_long_window_small_samples_go_on_after_a_team_began():
     """It is not used up at first, as little is known of rates then, nor so that nothing goes until that leaves it."""
     camera = Kind("camera", Video(1 / 30, 10.0), (10.0, 10.0), (5_000, 5_000))
@@ -70,6 +72,7 @@ def test_in_a_long_window_small_samples_go_on_after_a_team_began():
     assert found.kept > 0.95
 
 
+@pytest.mark.full
 def test_nobody_takes_what_others_say_for_hollow_where_most_samples_are_worth_nothing():
     """The last one still counts: it is for nothing that others claim that the next ones are dropped."""
     lasting = Kind("lasting", Step(1.0, 10.0), (10.0, 12.0), (45_000, 56_000))

@@ -16,6 +16,7 @@ def mission():
     return draw("mixed", 2, 1, WARM_UP + 3.0, latency=0.02)
 
 
+@pytest.mark.full
 def test_it_keeps_the_limit_and_is_worth_nearly_the_bound(mission):
     """With every small sample; its bytes are those after the warm-up."""
     problem = scored(mission.problem, WARM_UP)

@@ -19,6 +19,7 @@ def test_limits_are_told_in_what_the_radio_carries():
     assert adaptive.least == FLOOR
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("ceiling", [6.0, pytest.param(50.0, marks=pytest.mark.full)])
 def test_what_is_small_and_urgent_comes_soon(ceiling):
     """Beside cameras for which there is no room, whatever an operator takes to be the most that the radio can carry."""
@@ -36,6 +37,7 @@ def test_a_team_on_a_poor_radio_goes_on_sending():
     assert reached.kept >= 0.2
 
 
+@pytest.mark.full
 def test_each_limit_has_a_row_beside_the_right_one(monkeypatch, tmp_path, capsys):
     """Which is what the others are measured by; rows are printed as they are flown, and the page tells how."""
     monkeypatch.setattr(unknown, "TEAMS", (("cameras", 1, 1.0),))
