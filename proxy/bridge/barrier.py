@@ -4,9 +4,11 @@ Samples cross at once; what is declared crosses when it has been mirrored, some 
 subscriber, asks for a sample by another one, and gets it from the robot that hears that, would miss it; who hears that
 a service is there, and asks it, would find nobody. So a sample of a key that was quiet waits until all that was
 declared before it is mirrored. What comes behind it waits, too, or it would overtake that sample. Streams do not stop
-for it: nobody begins to listen because of one more sample of a stream.
+for it: nobody begins to listen because of one more sample of a stream. Queries and replies wait for it as well: who
+stores something and asks for it, or answers that it is done, is heard in that order.
 """
 
+import itertools
 import logging
 import math
 import threading
@@ -28,6 +30,7 @@ Job = Callable[[], object]
 
 
 class _Held(NamedTuple):
+    number: int
     key: str
     size: int
     after: int
@@ -53,8 +56,11 @@ class Barrier:
         self._held: deque[_Held] = deque()
         self._keys = Counter[str]()
         """Of which keys samples are held or go, how many..."""
-        self._count = self._bytes = 0
-        """... and how many and how much they are together."""
+        self._bytes = 0
+        """... and how much they are together."""
+        self._numbers = itertools.count(1)
+        self._left: dict[int, None] = {}
+        """The numbers of those that did not go yet, from the oldest on."""
         self._begun = self._over = 0
         """The numbers of the last round that began, and of the last one that is over."""
         self._until = math.inf
@@ -79,7 +85,7 @@ class Barrier:
         quiet = now >= came + TUNING.quiet_key
         if not (quiet or self._keys):
             return None
-        full = self._count >= BOUNDS.held_samples or self._bytes >= BOUNDS.held_bytes
+        full = len(self._left) >= BOUNDS.held_samples or self._bytes >= BOUNDS.held_bytes
         if full or now > self._going_since + TUNING.barrier_wait:
             if key in self._keys:
                 self._do_all(key)
@@ -94,12 +100,34 @@ class Barrier:
         """Do `job` after all that is held, and if its key was `quiet` after all that is declared by now is mirrored."""
         with self._turn:
             before = self._held[-1].after if self._held else self._over
-            self._held.append(_Held(key, size, self._begun + 1 if quiet else before, job))
+            number = next(self._numbers)
+            self._held.append(_Held(number, key, size, self._begun + 1 if quiet else before, job))
+            self._left[number] = None
             self._keys[key] += 1
-            self._count, self._bytes = self._count + 1, self._bytes + size
+            self._bytes += size
             begins = self._next_round(now)
         self._executor.insist(self._do_first)
         self._begin(begins)
+
+    @property
+    def newest(self) -> int:
+        """The number of the sample that came last of all that are held, for `await_gone`; 0: none is."""
+        with self._turn:
+            return next(reversed(self._left), 0)
+
+    def await_gone(self, number: int) -> None:
+        """Wait until the sample of this number went, and all before it, but no longer than one waits for its round.
+
+        Where who takes one hangs nobody waits.
+        """
+        if not number:
+            return
+        until = clock.monotonic() + TUNING.barrier_wait
+        with self._turn:
+            while next(iter(self._left), math.inf) <= number and (now := clock.monotonic()) < until:
+                if now > self._going_since + TUNING.barrier_wait:
+                    return
+                self._turn.wait(until - now)
 
     def close(self, timeout: float) -> None:
         """Hold nothing more, and let go what is held: return when it went, at most after so long [s]."""
@@ -176,5 +204,6 @@ class Barrier:
             self._keys[held.key] -= 1
             if not self._keys[held.key]:
                 del self._keys[held.key]
-            self._count, self._bytes = self._count - 1, self._bytes - held.size
+            del self._left[held.number]
+            self._bytes -= held.size
             self._turn.notify_all()

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from proxy import clock
@@ -139,10 +140,11 @@ class Bridge:
     def _make_queries(self, sides: Sides, fence: Fence, *, sourced: bool) -> tuple[Queries, Queries]:
         """Return those from apps to the mesh, and from the mesh to apps."""
         near, far, (out, into) = sides.apps, sides.others, self.executors
-        dropped = self._live.drops_queries
+        make = partial(Queries, dropped=self._live.drops_queries)
+        ahead, numbered = self._barriers, self._courses.numbered
         return (
-            Queries(near, far.session, out, fence, self._rules.into, dropped=dropped, numbered=lambda _: sourced),
-            Queries(far, near.session, into, fence, self._rules.out, dropped=dropped, numbered=self._courses.numbered),
+            make(near, far.session, out, fence, self._rules.into, numbered=lambda _: sourced, ahead=ahead),
+            make(far, near.session, into, fence, self._rules.out, numbered=numbered, ahead=(ahead[1], ahead[0])),
         )
 
     def _make_mirroring(

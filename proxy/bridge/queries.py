@@ -12,6 +12,7 @@ from functools import partial
 
 import zenoh
 
+from proxy.bridge.barrier import Barrier
 from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declaration import Declaration
 from proxy.bridge.declarations.declarations import Declarations
@@ -25,6 +26,8 @@ from proxy.bridge.tuning import TUNING
 
 log = logging.getLogger(__name__)
 
+Ahead = tuple[Barrier, Barrier]
+
 _NUMBERS = "_sn"
 """The parameter with which an advanced subscriber asks for samples by their numbers."""
 
@@ -36,7 +39,8 @@ class Queries:
     asked on before `fence` says that what was declared before it is mirrored. `direction` is that of the answers: a
     query for what it denies, or for keys whose queries are `dropped`, is not answered, as if nobody did. Where the
     samples of a key are not `numbered` neither are replies, and what has nothing but a number does not cross: nobody
-    could tell that they have it already.
+    could tell that they have it already. `ahead` are the barriers of samples that go the way of queries, and of those
+    that go the way of replies: what they hold is not overtaken.
     """
 
     def __init__(
@@ -49,6 +53,7 @@ class Queries:
         *,
         dropped: Callable[[str], bool],
         numbered: Callable[[str], bool],
+        ahead: Ahead,
     ) -> None:
         self._near = near
         self._far = far
@@ -57,6 +62,7 @@ class Queries:
         self._direction = direction
         self._dropped = dropped
         self._numbered = numbered
+        self._asked_behind, self._answered_behind = ahead
         self._deduplication = Deduplication(of_query)
         self._mirror = Mirror(self._declare)
         self._pending: dict[int, tuple[zenoh.Query, int]] = {}
@@ -102,7 +108,8 @@ class Queries:
         if self.pending > BOUNDS.queries or self._too_many(number):
             self._refuse(query)
         else:
-            self._fence.then(partial(self._pass_on, query, options))
+            behind = self._asked_behind.newest
+            self._fence.then(partial(self._pass_on, query, options, behind))
 
     def _too_many(self, number: int) -> bool:
         """Whether too many queries came to one queryable."""
@@ -110,8 +117,8 @@ class Queries:
             return False
         return sum(of == number for _, of in list(self._pending.values())) > BOUNDS.queries_of_one
 
-    def _pass_on(self, query: zenoh.Query, options: QueryOptions) -> None:
-        if not self._executor.offer(partial(self._ask, query, options)):
+    def _pass_on(self, query: zenoh.Query, options: QueryOptions, behind: int) -> None:
+        if not self._executor.offer(partial(self._ask, query, options, behind)):
             self._refuse(query)
 
     def _refuse(self, query: zenoh.Query) -> None:
@@ -130,7 +137,8 @@ class Queries:
         subject, advanced, _ = key.partition(ADVANCED)
         return bool(advanced) and not self._numbered(subject) and query.parameters.get(_NUMBERS) is not None
 
-    def _ask(self, query: zenoh.Query, options: QueryOptions) -> None:
+    def _ask(self, query: zenoh.Query, options: QueryOptions, behind: int) -> None:
+        self._asked_behind.await_gone(behind)
         self.crossed += 1
         handler = zenoh.handlers.Callback(partial(self._reply, query), partial(self._finish, query), indirect=False)
         # Whether replies on other keys are accepted is among the parameters, in their place.
@@ -163,19 +171,22 @@ class Queries:
             numbered = sample.source_info is None or self._numbered(key)
             if not numbered and sample.timestamp is None:
                 return
+        behind = self._answered_behind.newest
         self._executor.await_room(TUNING.reply_waits)  # as a router holds up who answers
-        if not self._executor.offer(partial(self._answer, query, reply, numbered=numbered)):
+        if not self._executor.offer(partial(self._answer, query, reply, behind, numbered=numbered)):
             log.warning("a reply is lost: more come than the application takes")
 
     def _finish(self, query: zenoh.Query) -> None:
-        self._executor.insist(partial(self._end, query))
+        self._executor.insist(partial(self._end, query, self._answered_behind.newest))
 
-    def _end(self, query: zenoh.Query) -> None:
+    def _end(self, query: zenoh.Query, behind: int = 0) -> None:
+        self._answered_behind.await_gone(behind)
         # A get that fails ends its query twice: by its error, and when Zenoh gives the handler up.
         if self._pending.pop(id(query), None) is not None:
             query.drop()  # type: ignore[no-untyped-call] # an omission of Zenoh's stubs
 
-    def _answer(self, query: zenoh.Query, reply: zenoh.Reply, *, numbered: bool) -> None:
+    def _answer(self, query: zenoh.Query, reply: zenoh.Reply, behind: int, *, numbered: bool) -> None:
+        self._answered_behind.await_gone(behind)
         sample, error = reply.ok, reply.err
         if sample is not None:
             attachment = self._near.attachment_of(sample) if numbered else sample.attachment

@@ -17,7 +17,7 @@ from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tuning import TUNING
 from tests.proxy.bridge import robots
 from tests.proxy.bridge.robots import observes, wait_interest
-from tests.proxy.nodes import Heard
+from tests.proxy.nodes import Heard, answers
 from tests.waiting import wait_until
 
 PATIENCE = 60.0
@@ -236,6 +236,46 @@ def test_behind_a_sample_that_nobody_takes_nothing_is_held(bench):
     assert not bench.barrier._keys
 
 
+def test_who_comes_behind_a_sample_waits_until_it_went(bench):
+    """What came before it, too; what is held later is not waited for."""
+    assert bench.barrier.newest == 0
+    bench.barrier.await_gone(0)
+    bench.comes(0.1, "start")
+    bench.comes(0.1, "stream")
+    behind = bench.barrier.newest
+    bench.comes(0.1, "later")
+    with pytest.raises(WaitsError):
+        bench.barrier.await_gone(behind)
+    waits = bench.turn.meanwhile
+
+    def meanwhile():
+        bench.turn.meanwhile = waits
+        bench.round()
+
+    bench.turn.meanwhile = meanwhile
+    bench.barrier.await_gone(behind)
+    assert bench.went == ["start", "stream"]
+    bench.round()
+    assert bench.went == ["start", "stream", "later"]
+    assert bench.barrier.newest == 0
+
+
+def test_nobody_waits_for_longer_than_a_round_may_take(bench):
+    """Nor at all where an application hangs that takes a sample."""
+
+    def hang():
+        bench.turn.meanwhile = lambda: setattr(bench, "now", bench.now + TUNING.barrier_wait)
+        bench.barrier.await_gone(bench.barrier.newest)
+        assert bench.now == 0.1 + TUNING.barrier_wait, "it waited once"
+        bench.now += 0.01
+        bench.barrier.await_gone(bench.barrier.newest)
+        assert bench.now == 0.11 + TUNING.barrier_wait, "it did not"
+
+    bench.comes(0.1, "start", job=hang)
+    bench.round()
+    assert bench.went == ["start"]
+
+
 def test_a_barrier_that_is_closed_holds_nothing(bench):
     """And what it held goes, what was about to go included, for nothing is mirrored any more."""
     bench.comes(0.1, "start")
@@ -316,6 +356,59 @@ def test_who_hears_that_something_is_there_finds_it(pair, kind):
         thing.undeclare()
     subscriber.undeclare()
     assert found == [True] * ROUNDS
+
+
+def test_who_stores_something_and_asks_for_it_gets_it(pair):
+    """A query does not overtake what its application published before, on keys that were quiet."""
+    here, there = pair[0].node(), pair[1].node()
+    stored: dict[str, str] = {}
+
+    def answer(query: zenoh.Query) -> None:
+        with query:
+            key = str(query.key_expr)
+            query.reply(key, stored.get(key, "nothing"))
+
+    take = zenoh.handlers.Callback(lambda sample: stored.update({str(sample.key_expr): "it"}), indirect=False)
+    served = there.declare_queryable("store/*", zenoh.handlers.Callback(answer, indirect=False))
+    storage = there.declare_subscriber("store/*", take)
+    wait_interest(pair[1], pair[0], keys=("store/*",))
+    wait_until(lambda: "store/*" in pair[0].bridge._outward.expressions, what="the storage")
+    found = []
+    for number in range(5 * ROUNDS):
+        here.put(f"store/{number}", "it")
+        found += list(answers(here, f"store/{number}"))
+    assert found == ["it"] * 5 * ROUNDS
+    served.undeclare()
+    storage.undeclare()
+
+
+def test_what_is_published_before_an_answer_comes_before_it(pair):
+    """A reply, an error, and the end of a query that nobody answers."""
+    here, there = pair[1].node(), pair[0].node()
+    heard: list[str] = []
+
+    def answer(query: zenoh.Query) -> None:
+        with query:
+            kind, number = str(query.parameters).split(":")
+            there.put(f"done/{kind}/{number}", "done")
+            if kind == "reply":
+                query.reply("do/it", "yes")
+            elif kind == "error":
+                query.reply_err("no")
+
+    take = zenoh.handlers.Callback(lambda sample: heard.append(str(sample.key_expr)), indirect=False)
+    served = there.declare_queryable("do/it", zenoh.handlers.Callback(answer, indirect=False))
+    listener = here.declare_subscriber("done/**", take)
+    wait_interest(pair[1], pair[0], keys=("done/**",))
+    wait_until(lambda: "do/it" in pair[1].bridge._outward.expressions, what="the service")
+    late = []
+    for number in range(ROUNDS):
+        for kind, told in (("reply", ["yes"]), ("error", ["error: no"]), ("nothing", [])):
+            assert list(answers(here, f"do/it?{kind}:{number}")) == told
+            late += [f"{kind} {number}"] * (f"done/{kind}/{number}" not in heard)
+    assert late == []
+    served.undeclare()
+    listener.undeclare()
 
 
 def _declared(session, kind, key):

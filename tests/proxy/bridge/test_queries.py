@@ -8,6 +8,7 @@ import pytest
 import zenoh
 
 from proxy.bridge import queries as queries_module
+from proxy.bridge.barrier import Barrier
 from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.declarations.source_info import enclosed, new_mark
 from proxy.bridge.fence import Fence
@@ -282,8 +283,16 @@ def open_fence():
 def declared(stack, far, executor, fence):
     """A mirrored queryable for `service/a`, and what asks there."""
     near, endpoint = near_side(stack)
+    nothing_held = Barrier(near, near, fence, executor)
     queries = Queries(
-        near, far, executor, fence, Direction(("**",), ()), dropped=lambda _: False, numbered=lambda _: True
+        near,
+        far,
+        executor,
+        fence,
+        Direction(("**",), ()),
+        dropped=lambda _: False,
+        numbered=lambda _: True,
+        ahead=(nothing_held, nothing_held),
     )
     queries.update({"service/a": False})
     stack.callback(queries.close)
