@@ -73,6 +73,12 @@ class Mirror:
         self._refused &= wanted.keys()
         return bool(gone or new)
 
+    def show(self, expression: str) -> None:
+        """Declare what is not, and take it back at once."""
+        self._add(expression, complete=False)
+        self._take_back((expression,))
+        self._refused.discard(expression)
+
     def close(self) -> None:
         """Undeclare everything."""
         self._take_back(list(self._declared))

@@ -86,6 +86,8 @@ class Mirroring:
         self._tokens_in = Mirror(_token(apps.session))
         self._ended_out, self._ended_in = set[str](), set[str]()
         """Tokens that ended since theirs were mirrored."""
+        self._brief_out, self._brief_in = set[str](), set[str]()
+        """Those that had ended before they were mirrored, at the last look."""
         self._seen: dict[str, Mapping[str, bool]] = {}
         self._editions = (0, 0)
         self._stirred = True
@@ -191,22 +193,37 @@ class Mirroring:
     def _mirror(self) -> None:
         now = clock.monotonic()
         # Tokens are read first and mirrored last: whoever sees one finds what was declared before it.
-        self._ended_in |= self._others.ended_tokens()
-        self._ended_out |= self._apps.ended_tokens()
-        alive_in = self._others.foreign_tokens(self._tokens_out.declared, now)
-        alive_out = self._apps.foreign_tokens(self._tokens_in.declared, now)
+        ours_out, ours_in = {*self._tokens_out.declared, *self._brief_out}, {*self._tokens_in.declared, *self._brief_in}
+        self._ended_in |= self._others.ended_tokens(ours_out)
+        self._ended_out |= self._apps.ended_tokens(ours_in)
+        alive_in = self._others.foreign_tokens(ours_out, now, kept=self._tokens_in.declared)
+        alive_out = self._apps.foreign_tokens(ours_in, now)
         answered_in, answered_out = self._others.declared("queryable"), self._apps.declared("queryable")
         self._subscribe(now)
         if self._news("queryables out", answered_out):
             self._inward.update(self._rules.out.crossing("queryables", answered_out))
         if self._news("queryables in", answered_in):
             self._outward.update(self._rules.into.crossing("queryables", answered_in))
-        if self._news("tokens out", alive_out) or self._ended_out:
-            self._tokens_out.update(self._rules.tokens(self._rules.out, alive_out), self._ended_out)
-            self._ended_out = set()
-        if self._news("tokens in", alive_in) or self._ended_in:
-            self._tokens_in.update(self._rules.tokens(self._rules.into, alive_in), self._ended_in)
-            self._ended_in = set()
+        self._brief_out = self._show("tokens out", alive_out, self._ended_out)
+        self._brief_in = self._show("tokens in", alive_in, self._ended_in)
+
+    def _show(self, name: str, alive: Mapping[str, bool], ended: set[str]) -> set[str]:
+        """Mirror the tokens that are `alive` now, and those that have `ended`.
+
+        Return those that came and went between two looks: so they do on the other side.
+        """
+        before = self._seen.get(name, _NOTHING)
+        if not self._news(name, alive) and not ended:
+            return set()
+        out = name == "tokens out"
+        mirror, direction = (self._tokens_out, self._rules.out) if out else (self._tokens_in, self._rules.into)
+        unseen = ended.difference(before, alive, mirror.declared)
+        mirror.update(self._rules.tokens(direction, alive), ended)
+        brief = set(self._rules.passing(direction, unseen))
+        for token in brief:
+            mirror.show(token)
+        ended.clear()
+        return brief
 
     def _news(self, name: str, told: Mapping[str, bool]) -> bool:
         """Whether something else of `name` is declared than at the last look."""
@@ -233,7 +250,7 @@ class Mirroring:
         self._ingress.update(())
         self._stirred = False
         for side in (self._apps, self._others):
-            side.ended_tokens()  # mirrored nowhere
+            side.ended_tokens(())  # mirrored nowhere
         for mirror in (self._inward, self._outward, self._tokens_out, self._tokens_in):
             mirror.update({})
         self._seen.clear()

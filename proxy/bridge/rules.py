@@ -9,7 +9,7 @@ pub/sub behind it (`<key>/@adv/…`) and the tokens of its ROS 2 publishers, sub
 import logging
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import Enum
 from functools import lru_cache
 from itertools import islice
@@ -187,6 +187,10 @@ class Rules:
     def tokens(self, direction: Direction, declared: Mapping[str, bool]) -> dict[str, bool]:
         """Leave out the tokens that do not cross in `direction`."""
         return direction.crossing("tokens", declared, self._lets_token[direction])
+
+    def passing(self, direction: Direction, tokens: Iterable[str]) -> Iterator[str]:
+        """Return those of the `tokens` that cross in `direction` and are gone by now, as many as there is room for."""
+        return islice(filter(self._lets_token[direction], tokens), BOUNDS.crossing["tokens"])
 
     def describe(self) -> dict[str, dict[str, int]]:
         """What was denied, by direction."""

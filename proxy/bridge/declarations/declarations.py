@@ -76,14 +76,19 @@ class Declarations:
         found = self._witnesses.others(self.declared("subscriber"), own, now)
         return found | dict.fromkeys(self._everything, False) if self._table.broken else found
 
-    def foreign_tokens(self, own: Collection[str], now: float) -> Mapping[str, bool]:
-        """Return the tokens of others, `own` being those of `session`."""
-        alive = self.declared("token")
-        return alive if self._echoes is None else self._echoes.without(alive, own, now)
+    def foreign_tokens(self, own: Collection[str], now: float, kept: Collection[str] = ()) -> Mapping[str, bool]:
+        """Return the tokens of others, `own` being those of `session`.
 
-    def ended_tokens(self) -> set[str]:
-        """Return the tokens that ended since the last call: they may be alive again by now."""
-        return self._table.ended_tokens()
+        Of a name that is ours nobody tells whether it is somebody else's, too. One of those that are `kept` was so
+        before it was ours, and is taken to be so until ours has ended.
+        """
+        alive = self.declared("token")
+        return alive if self._echoes is None else self._echoes.without(alive, own, now, kept)
+
+    def ended_tokens(self, own: Collection[str]) -> set[str]:
+        """Return the tokens of others that ended since the last call: they may be alive again by now."""
+        ended = self._table.ended_tokens()
+        return ended if self._echoes is None else self._echoes.ended(ended, own)
 
     def forget_gone(self, own: Collection[str]) -> None:
         """Forget what was behind a router that is gone; `own` is what the main session subscribes to."""

@@ -16,8 +16,14 @@ class Echoes:
         """Whether some that have ended may still be echoed; `own` is what there is now."""
         return len(self._own) > len(own)
 
-    def without(self, alive: Mapping[str, bool], own: Collection[str], now: float) -> Mapping[str, bool]:
-        """Leave ours, which are `own` now, out of all that are alive."""
+    def ended(self, ended: set[str], own: Collection[str]) -> set[str]:
+        """Leave ours, which are `own` now, out of all that have ended."""
+        return ended.difference(own, self._own)
+
+    def without(
+        self, alive: Mapping[str, bool], own: Collection[str], now: float, kept: Collection[str] = ()
+    ) -> Mapping[str, bool]:
+        """Leave ours, which are `own` now, out of all that are alive; not those of others too, if they are `kept`."""
         self._own |= dict.fromkeys(own, now + TUNING.echo)
         self._own = {token: until for token, until in self._own.items() if until > now}
-        return {token: False for token in alive if token not in self._own}
+        return {token: False for token in alive if token not in self._own or token in kept}

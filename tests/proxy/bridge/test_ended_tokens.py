@@ -3,6 +3,7 @@
 import pytest
 import zenoh
 
+from tests.proxy.bridge.robots import fence_apps
 from tests.waiting import wait_until
 
 
@@ -42,8 +43,8 @@ def test_both_are_told_although_they_come_while_tokens_are_read(pair, seen, monk
     apps, done = pair[0]._sides.apps, []
     ended_tokens = apps.ended_tokens
 
-    def ended():
-        found = ended_tokens()
+    def ended(own):
+        found = ended_tokens(own)
         if not done:
             done.append(blink(pair[0]))
         return found
@@ -68,6 +69,52 @@ def test_both_are_told_although_a_look_fails(pair, seen, monkeypatch):
     blink(pair[0])
     wait_until(lambda: seen == BOTH, what="its end and its beginning")
     assert failed
+
+
+def test_tokens_that_are_there_for_a_moment_are_told(pair, seen):
+    """Whoever watches sees each come and go, and the application's own robot sees it once."""
+    told, near = [], []
+
+    def watch(robot, to):
+        take = zenoh.handlers.Callback(lambda sample: to.append((str(sample.key_expr), sample.kind)), indirect=False)
+        return robot.node().liveliness().declare_subscriber("brief/*", take)
+
+    watchers = watch(pair[1], told), watch(pair[0], near)
+    wait_until(lambda: seen, what="the watchers")
+    session = pair[0].node()
+    fence_apps(pair[1])
+    fence_apps(pair[0])
+    expected = []
+    for number in range(20):
+        session.liveliness().declare_token(f"brief/{number}").undeclare()
+        expected += [(f"brief/{number}", kind) for kind in (zenoh.SampleKind.PUT, zenoh.SampleKind.DELETE)]
+    wait_until(lambda: sorted(told, key=str) == sorted(expected, key=str), what="all of them")
+    last = session.liveliness().declare_token("brief/last")
+    wait_until(lambda: told[-1][0] == near[-1][0] == "brief/last", what="the last one")
+    assert near[:-1] == expected
+    assert sorted(told[:-1], key=str) == sorted(expected, key=str)
+    for thing in (last, *watchers):
+        thing.undeclare()
+
+
+def test_a_token_of_two_robots_is_told_until_both_have_ended(pair, seen):
+    """Who declares what there is already, and ends it, takes nothing from its own robot's applications."""
+    found = []
+    near = pair[1].node()
+    watcher = near.liveliness().declare_subscriber(
+        "alive/a", zenoh.handlers.Callback(lambda sample: found.append(sample.kind), indirect=False), history=True
+    )
+    wait_until(lambda: found, what="the token of the other robot")
+    token = pair[1].node().liveliness().declare_token("alive/a")
+    mirroring = pair[1].bridge._mirroring
+    wait_until(lambda: "alive/a" in mirroring._tokens_out.declared, what="the second one")
+    token.undeclare()
+    wait_until(lambda: not mirroring._tokens_out.declared, what="the end of the second one")
+    wait_until(lambda: not mirroring._unsettled(), what="all echoes")
+    pair[0].token.undeclare()
+    wait_until(lambda: found[-1] == zenoh.SampleKind.DELETE, what="the end of the first one")
+    assert found == seen == [zenoh.SampleKind.PUT, zenoh.SampleKind.DELETE]
+    watcher.undeclare()
 
 
 def test_nothing_is_kept_of_them_where_another_daemon_sees_to_the_applications(pair, seen, monkeypatch):

@@ -49,6 +49,19 @@ def test_it_follows_what_is_wanted():
     assert not made.now
 
 
+def test_what_is_shown_is_taken_back_at_once():
+    """Of what is refused nothing is remembered."""
+    made = Made()
+    mirror = Mirror(made)
+    mirror.show("a")
+    mirror.show("refused")
+    assert made.log == ["a"]
+    assert not made.now
+    assert not mirror._refused
+    assert mirror.update({"a": False})
+    assert made.now == [("a", False)]
+
+
 def test_a_changed_completeness_is_declared_anew():
     """A queryable that becomes complete is mirrored as complete."""
     made = Made()

@@ -1,9 +1,12 @@
 """What may cross: rules alone, and between two robots."""
 
+from dataclasses import replace
+
 import pytest
 import zenoh
 import zenoh.ext
 
+from proxy.bridge import rules as rules_module
 from proxy.bridge.bounds import BOUNDS
 from proxy.bridge.rules import Companion, Direction, Expressions, Rules, Verdict, companion
 from proxy.config import BridgeConfig
@@ -345,3 +348,12 @@ def test_what_bypasses_waits_for_no_decision(start):
     assert [event.key for event in pair[0].asked] == ["covered/a"]
     (size,) = [event.size for event in pair[0].posted(SamplesPassed) if event.size]
     assert size == len("now")
+
+
+def test_of_tokens_that_are_gone_by_now_those_pass_that_cross(monkeypatch):
+    """As many as there is room for."""
+    rules = Rules(BridgeConfig.model_validate({"out": {"deny": ["private/**"]}}))
+    assert list(rules.passing(rules.out, ["private/a", "public/a"])) == ["public/a"]
+    assert list(rules.passing(rules.into, ["private/a", "public/a"])) == ["private/a", "public/a"]
+    monkeypatch.setattr(rules_module, "BOUNDS", replace(BOUNDS, crossing={**BOUNDS.crossing, "tokens": 1}))
+    assert list(rules.passing(rules.into, ["a", "b"])) == ["a"]
