@@ -15,7 +15,7 @@ MEANT = {"shadow": ": it decides, but sends all", "pass": ": it sends all, and d
 REASONS: Mapping[str, str] = {
     "dropped:planner": "others are worth more for what is left",
     "dropped:constraint": "a limit has no room for it",
-    "dropped:once": "all who want it have one",
+    "dropped:once": "its type says 'once', and all who want it have one of this key",
     "dropped:fallback": "the planner failed, and there is little room",
     "dropped:superseded": "a newer one came before its turn",
     "dropped:overflow": "too many waited",

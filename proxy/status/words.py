@@ -26,7 +26,7 @@ REASONS = Glossary(
         "passed:fallback": "the planner failed or was late, and the limits had room",
         "dropped:planner": "others are worth more for what room there is",
         "dropped:constraint": "a limit has no room for it now",
-        "dropped:once": "all who want it have one already, and one is enough",
+        "dropped:once": "its type says 'once', and all who want it have one of this key ('sum' sends each)",
         "dropped:superseded": "a newer one of its stream came before its turn",
         "dropped:overflow": "too many waited to be decided",
         "dropped:full": "too many waited for the mesh",
