@@ -86,7 +86,7 @@ class Barrier:
         if not (quiet or self._keys):
             return None
         full = len(self._left) >= BOUNDS.held_samples or self._bytes >= BOUNDS.held_bytes
-        if full or now > self._going_since + TUNING.barrier_wait:
+        if full or self._hangs(now):
             if key in self._keys:
                 self._do_all(key)
             return None
@@ -125,7 +125,7 @@ class Barrier:
         until = clock.monotonic() + TUNING.barrier_wait
         with self._turn:
             while next(iter(self._left), math.inf) <= number and (now := clock.monotonic()) < until:
-                if now > self._going_since + TUNING.barrier_wait:
+                if self._hangs(now):
                     return
                 self._turn.wait(until - now)
 
@@ -135,6 +135,10 @@ class Barrier:
             self._rests_until = math.inf
             self._give_up()
             self._turn.wait_for(lambda: not self._keys, timeout)
+
+    def _hangs(self, now: float) -> bool:
+        """Whether who takes the sample that goes now hangs."""
+        return now > self._going_since + TUNING.barrier_wait
 
     def _begin(self, number: int) -> None:
         if number:

@@ -74,7 +74,12 @@ class Mirror:
         return bool(gone or new)
 
     def show(self, expression: str) -> None:
-        """Declare what is not, and take it back at once."""
+        """Declare what is not, and take it back at once; where there is no room nothing, and without a word.
+
+        Each is another one: a line for each in the log would be as many as an application declares.
+        """
+        if len(self._declared) >= BOUNDS.declarations:
+            return
         self._add(expression, complete=False)
         self._take_back((expression,))
         self._refused.discard(expression)

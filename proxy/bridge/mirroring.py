@@ -20,7 +20,7 @@ from proxy.bridge.mirror import Mirror
 from proxy.bridge.neighbours import Neighbours
 from proxy.bridge.passed import Passed
 from proxy.bridge.queries import Queries
-from proxy.bridge.rules import Rules
+from proxy.bridge.rules import Direction, Rules
 from proxy.bridge.send_buffers import SendBuffers
 from proxy.bridge.sides import Sides
 from proxy.bridge.tuning import TUNING
@@ -204,10 +204,12 @@ class Mirroring:
             self._inward.update(self._rules.out.crossing("queryables", answered_out))
         if self._news("queryables in", answered_in):
             self._outward.update(self._rules.into.crossing("queryables", answered_in))
-        self._brief_out = self._show("tokens out", alive_out, self._ended_out)
-        self._brief_in = self._show("tokens in", alive_in, self._ended_in)
+        self._brief_out = self._show("tokens out", self._tokens_out, self._rules.out, alive_out, self._ended_out)
+        self._brief_in = self._show("tokens in", self._tokens_in, self._rules.into, alive_in, self._ended_in)
 
-    def _show(self, name: str, alive: Mapping[str, bool], ended: set[str]) -> set[str]:
+    def _show(
+        self, name: str, mirror: Mirror, direction: Direction, alive: Mapping[str, bool], ended: set[str]
+    ) -> set[str]:
         """Mirror the tokens that are `alive` now, and those that have `ended`.
 
         Return those that came and went between two looks: so they do on the other side.
@@ -215,8 +217,6 @@ class Mirroring:
         before = self._seen.get(name, _NOTHING)
         if not self._news(name, alive) and not ended:
             return set()
-        out = name == "tokens out"
-        mirror, direction = (self._tokens_out, self._rules.out) if out else (self._tokens_in, self._rules.into)
         unseen = ended.difference(before, alive, mirror.declared)
         mirror.update(self._rules.tokens(direction, alive), ended)
         brief = set(self._rules.passing(direction, unseen))

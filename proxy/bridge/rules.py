@@ -189,7 +189,7 @@ class Rules:
         return direction.crossing("tokens", declared, self._lets_token[direction])
 
     def passing(self, direction: Direction, tokens: Iterable[str]) -> Iterator[str]:
-        """Return those of the `tokens` that cross in `direction` and are gone by now, as many as there is room for."""
+        """Yield those `tokens` that cross in `direction`, all gone by now: no more than may be there at a time."""
         return islice(filter(self._lets_token[direction], tokens), BOUNDS.crossing["tokens"])
 
     def describe(self) -> dict[str, dict[str, int]]:

@@ -62,6 +62,17 @@ def test_what_is_shown_is_taken_back_at_once():
     assert made.now == [("a", False)]
 
 
+def test_what_finds_no_room_is_not_shown_and_not_logged(monkeypatch, caplog):
+    """An application may declare thousands that are there for a moment: the log would have a line for each."""
+    monkeypatch.setattr(mirror_module, "BOUNDS", replace(BOUNDS, declarations=1))
+    made = Made()
+    mirror = Mirror(made)
+    mirror.update({"a": False})
+    mirror.show("b")
+    assert made.log == ["a"]
+    assert not caplog.records
+
+
 def test_a_changed_completeness_is_declared_anew():
     """A queryable that becomes complete is mirrored as complete."""
     made = Made()

@@ -17,6 +17,8 @@ from studies.demo.scene import RED as ENOUGH
 from studies.demo.scene import red_fraction
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.full
+
 ROBOTS, RATE = 1, 6e6
 
 
@@ -44,7 +46,6 @@ def ask(session, key, wanted=None):
     return json.loads(bytes(reply.ok.payload)) if reply.ok else bytes(reply.err.payload).decode()
 
 
-@pytest.mark.full
 def test_the_medium_is_told_and_changed(mission, session):
     """What is not said stays; the limit of the daemons follows."""
     assert ask(session, CHANNEL) == {"limit": RATE / 8, "latency": 0.0, "loss": 0.0}
@@ -59,7 +60,6 @@ def test_the_medium_is_told_and_changed(mission, session):
     wait_until(followed, what="the new limit")
 
 
-@pytest.mark.full
 @pytest.mark.parametrize(
     ("key", "wanted", "words"),
     [
@@ -75,7 +75,6 @@ def test_what_makes_no_sense_is_answered_with_an_error(session, key, wanted, wor
     assert ask(session, key, wanted) == words
 
 
-@pytest.mark.full
 def test_something_red_is_put_into_a_way_and_seen(session):
     """The robot's camera shows it to the operator; before, it did not."""
     seen = []
@@ -91,7 +90,6 @@ def test_something_red_is_put_into_a_way_and_seen(session):
         wait_until(lambda: max(seen) >= ENOUGH, what="something red")
 
 
-@pytest.mark.full
 def test_it_goes_on_for_as_long_as_it_shall(mission):
     """And tells what the operator saw; a process that ended ends it."""
     told = []

@@ -20,6 +20,8 @@ from studies.simulation.network import OverMedium
 from studies.simulation.team import Frame, Team
 from utility_specs import load_specs
 
+pytestmark = pytest.mark.full
+
 RATE = 100_000.0
 WINDOW = 0.95
 SPEC = f"""
@@ -90,7 +92,6 @@ def windows(deliveries):
     return sizes[1:] - sizes[np.searchsorted(sent, sent - WINDOW, "left")]
 
 
-@pytest.mark.full
 @pytest.mark.parametrize(
     ("coordination", "loss"), [pytest.param("split", 0.0, marks=pytest.mark.full), ("split", 0.2), ("announce", 0.0)]
 )
@@ -112,7 +113,6 @@ def test_the_union_of_all_robots_keeps_the_limit(specs, coordination, loss):
     assert sum(core.counts.received for core in flight.cores.values()) == len(scene())
 
 
-@pytest.mark.full
 @pytest.mark.parametrize(("carried", "times"), [(2.0, 2.0), (1.0, 1.5)], ids=["early news", "late news"])
 def test_who_sees_red_sends_more_often(specs, carried, times):
     """The share follows the value within a second of its change, whoever's frames come when.
@@ -129,7 +129,6 @@ def test_who_sees_red_sends_more_often(specs, carried, times):
     assert red >= times * others > 0
 
 
-@pytest.mark.full
 @pytest.mark.parametrize(
     ("coordination", "close"),
     [
@@ -162,7 +161,6 @@ class OneWay(OverMedium):
             super().reliable(t, size, sender, receiver, arrive)
 
 
-@pytest.mark.full
 def test_a_robot_that_agrees_with_nobody_silences_nobody():
     """Ten robots have parts that hold no message until they agree on turns; one of them hears nothing of another."""
     how = Conditions(limit=5, seconds=20.0)
@@ -177,7 +175,6 @@ def test_a_robot_that_agrees_with_nobody_silences_nobody():
     assert all(later - t >= how.window for t, later in zip(sent, sent[how.limit :], strict=False))
 
 
-@pytest.mark.full
 def test_digests_stay_within_their_allowance(specs):
     """Two percent of the limit for all robots together, or 100 B/s each."""
     flight = team(specs)
@@ -185,7 +182,6 @@ def test_digests_stay_within_their_allowance(specs):
     assert flight.digest_bytes / 14.0 <= 1.1 * max(0.02 * 0.9 * RATE, 100.0 * 5)
 
 
-@pytest.mark.full
 def test_wrong_clocks_change_nothing(specs):
     """Robots whose clocks are minutes apart send as much in all, if not the same frames: these are worth the same."""
     right = team(specs).run(scene(), 14.0)
@@ -194,7 +190,6 @@ def test_wrong_clocks_change_nothing(specs):
     assert other.total() == pytest.approx(one.total(), rel=0.1)
 
 
-@pytest.mark.full
 def test_a_robot_alone_uses_what_the_limit_gives(specs):
     """One robot and an operator: nearly all of the limit is used."""
     deliveries = team(specs, robots=1).run(scene(robots=1, rate=20.0, red=0.0), 14.0)
@@ -202,7 +197,6 @@ def test_a_robot_alone_uses_what_the_limit_gives(specs):
     assert sent >= 0.8 * 0.9 * RATE * 10.0
 
 
-@pytest.mark.full
 def test_in_announce_robots_plan_for_the_union(specs):
     """It may be exceeded for a moment, but digests keep the mean use below the limit."""
     flight = team(specs, settings=CoreSettings("", "", coordination="announce"))
@@ -211,7 +205,6 @@ def test_in_announce_robots_plan_for_the_union(specs):
     assert 0.3 * 0.9 * RATE * 10.0 <= sent <= 1.05 * 0.9 * RATE * 10.0
 
 
-@pytest.mark.full
 def test_where_robots_broadcast_a_digest_follows_what_was_sent():
     """Most of the time at once, as far as the allowance goes: whoever lost the sample has it from there."""
     how = Conditions(coordination="announce", transport="broadcast", limit=2, seconds=10.0)
@@ -226,7 +219,6 @@ def test_where_robots_broadcast_a_digest_follows_what_was_sent():
         assert member.core.wake_at(now) > now
 
 
-@pytest.mark.full
 def test_nobody_is_woken_again_and_again_while_it_may_not_speak():
     """In a second a few dozen times, not as often as a machine can."""
     how = Conditions(transport="broadcast", seconds=0.5)
@@ -241,7 +233,6 @@ def test_nobody_is_woken_again_and_again_while_it_may_not_speak():
         assert 1 <= woken < 100
 
 
-@pytest.mark.full
 def test_a_robot_that_sends_everything_leaves_the_others_their_small_samples(tmp_path):
     """Twice the limit, which all hear: without the floor none of them sent one after the first seconds."""
     path = tmp_path / "spec.toml"
@@ -258,7 +249,6 @@ def test_a_robot_that_sends_everything_leaves_the_others_their_small_samples(tmp
     assert min(sent[f"r{r}", "op"] for r in (2, 3, 4)) >= 40
 
 
-@pytest.mark.full
 def test_robots_split_constraints_of_all_kinds_at_once(tmp_path):
     """The union keeps bytes, messages and airtime in every window, each robot its own energy; and much is sent."""
     path = tmp_path / "spec.toml"

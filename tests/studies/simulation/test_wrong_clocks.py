@@ -11,6 +11,8 @@ from studies.simulation.records import Frame
 from studies.simulation.replay import Recorded, decided_alike
 from utility_specs import load_specs
 
+pytestmark = pytest.mark.full
+
 SPEC = """
 [[constraint]]
 kind = "throughput"
@@ -123,7 +125,6 @@ def taken(flight, sender, receiver, size):
     )
 
 
-@pytest.mark.full
 def test_wrong_wall_clocks_alter_no_decision(right):
     """All that a robot lives through, with wall clocks that are wrong: 99 of 100 decisions are the same.
 
@@ -136,7 +137,6 @@ def test_wrong_wall_clocks_alter_no_decision(right):
     assert min(map(np.mean, same.values())) >= 0.98
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("flown", ["drifting", pytest.param("losing", marks=pytest.mark.full)])
 def test_offsets_are_right_within_what_they_claim(request, flown):
     """However clocks drift, and with digests that are late or lost."""
@@ -147,7 +147,6 @@ def test_offsets_are_right_within_what_they_claim(request, flown):
         assert error <= 0.01
 
 
-@pytest.mark.full
 @pytest.mark.parametrize("flown", ["quick", pytest.param("stepping", marks=pytest.mark.full)])
 def test_latencies_are_right_by_size_on_both_ends(request, flown):
     """As the receiver finds, as the sender is told, and as the third robot overhears."""
@@ -163,7 +162,6 @@ def test_latencies_are_right_by_size_on_both_ends(request, flown):
             assert overheard.of(size) == pytest.approx(truth, abs=0.02)
 
 
-@pytest.mark.full
 def test_losses_are_found_on_both_ends(losing):
     """Of every way by itself."""
     for receiver, sender, peer in believed(losing):

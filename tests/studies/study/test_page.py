@@ -16,6 +16,8 @@ from studies.study.results import Results
 from studies.study.store import Store
 from tests.studies.study.records import filled
 
+pytestmark = pytest.mark.full
+
 NOW = datetime(2026, 1, 2, 3, 4, tzinfo=UTC)
 REACHED = {"best": 48.0, BOUND: 50.0, "random": 20.0}
 
@@ -36,7 +38,6 @@ def folder(tmp_path_factory):
     return folder
 
 
-@pytest.mark.full
 def test_the_page_says_what_was_flown_and_when(folder):
     """And that it is not all of it."""
     text = (folder / "RESULTS.md").read_text()
@@ -45,7 +46,6 @@ def test_the_page_says_what_was_flown_and_when(folder):
     assert "not flown yet" not in text
 
 
-@pytest.mark.full
 def test_words_are_those_of_the_figures(folder):
     """Shares, differences and what agrees."""
     text = (folder / "RESULTS.md").read_text()
@@ -57,7 +57,6 @@ def test_words_are_those_of_the_figures(folder):
     assert "at 0 of 3 points where the channel is not saturated" in text
 
 
-@pytest.mark.full
 def test_real_traffic_stands_beside_what_does_not_plan(folder):
     """By network, with what became of small samples and what it takes."""
     text = (folder / "RESULTS.md").read_text()
@@ -69,14 +68,12 @@ def test_real_traffic_stands_beside_what_does_not_plan(folder):
     assert cells == ["ad hoc", "96.0", "0.0", "1.00", "99.0", "1.0 / 2.0", "1 / 5", "10.0"]
 
 
-@pytest.mark.full
 def test_what_decisions_take_stands_beside_utility(folder):
     """As data, too: that of a flight, by robot and second."""
     spent = json.loads((folder / "results" / "study.json").read_text())["spent"]["loss"]["best mode"]
     assert [(each["decision"], each["processor"]) for each in spent] == [([0.001, 0.005], 0.02)] * 2
 
 
-@pytest.mark.full
 def test_every_figure_is_there(folder):
     """As PNG and SVG, and nothing else than what the page shows."""
     named = set(re.findall(r"results/([\w.-]+)\)", (folder / "RESULTS.md").read_text()))
@@ -87,7 +84,6 @@ def test_every_figure_is_there(folder):
         assert cv2.imread(str(path)).std() > 1.0
 
 
-@pytest.mark.full
 def test_a_logarithmic_axis_may_begin_at_nothing(tmp_path):
     """No iterations stand left of one, then come decades."""
     extent = replace(QUICK, sweeps=("iterations",), points=100)
@@ -98,7 +94,6 @@ def test_a_logarithmic_axis_may_begin_at_nothing(tmp_path):
     assert axis in [ticks[k : k + len(axis)] for k in range(len(ticks))]
 
 
-@pytest.mark.full
 def test_all_figures_are_there_as_data(folder):
     """With what is known of their confidence."""
     data = json.loads((folder / "results" / "study.json").read_text())
@@ -107,7 +102,6 @@ def test_all_figures_are_there_as_data(folder):
     assert first == {"limit": 2.0, "mean": 0.96, "half": None, "missions": 1}
 
 
-@pytest.mark.full
 def test_the_same_results_make_the_same_files(folder, tmp_path):
     """To the byte."""
     write(Results(Store(folder / "records.jsonl")), QUICK, tmp_path / "RESULTS.md", NOW)
@@ -115,7 +109,6 @@ def test_the_same_results_make_the_same_files(folder, tmp_path):
         assert (tmp_path / "results" / path.name).read_bytes() == path.read_bytes()
 
 
-@pytest.mark.full
 def test_a_study_that_is_not_over_says_so(tmp_path):
     """With what there is."""
     write(Results(Store(tmp_path / "records.jsonl")), replace(QUICK, sweeps=()), tmp_path / "RESULTS.md", NOW)
