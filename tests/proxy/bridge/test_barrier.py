@@ -16,7 +16,7 @@ from proxy.bridge.fence import Fence
 from proxy.bridge.serial_executor import SerialExecutor
 from proxy.bridge.tuning import TUNING
 from tests.proxy.bridge import robots
-from tests.proxy.bridge.robots import observes, wait_interest
+from tests.proxy.bridge.robots import fence_apps, observes, wait_interest
 from tests.proxy.nodes import Heard, answers
 from tests.waiting import wait_until
 
@@ -373,6 +373,7 @@ def test_who_stores_something_and_asks_for_it_gets_it(pair):
     storage = there.declare_subscriber("store/*", take)
     wait_interest(pair[1], pair[0], keys=("store/*",))
     wait_until(lambda: "store/*" in pair[0].bridge._outward.expressions, what="the storage")
+    fence_apps(pair[0])
     found = []
     for number in range(5 * ROUNDS):
         here.put(f"store/{number}", "it")
@@ -401,6 +402,7 @@ def test_what_is_published_before_an_answer_comes_before_it(pair):
     listener = here.declare_subscriber("done/**", take)
     wait_interest(pair[1], pair[0], keys=("done/**",))
     wait_until(lambda: "do/it" in pair[1].bridge._outward.expressions, what="the service")
+    fence_apps(pair[1])
     late = []
     for number in range(ROUNDS):
         for kind, told in (("reply", ["yes"]), ("error", ["error: no"]), ("nothing", [])):
