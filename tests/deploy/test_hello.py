@@ -1,6 +1,7 @@
 """The applications to begin with."""
 
 import ast
+import os
 import shutil
 import subprocess
 import sys
@@ -22,7 +23,9 @@ def test_hello_talks_and_listens(tmp_path):
         (tmp_path / "client.json5").write_text(client.replace("tcp/127.0.0.1:7447", daemon.endpoint))
         output = tmp_path / "output"
         with output.open("w") as file, plain_session("client", connect=(daemon.endpoint,)) as other:
-            application = subprocess.Popen([sys.executable, "hello.py", "r1"], cwd=tmp_path, stdout=file)
+            buffered = os.environ | {"PYTHONUNBUFFERED": ""}  # else it may be ended between two parts of a line
+            command = [sys.executable, "hello.py", "r1"]
+            application = subprocess.Popen(command, cwd=tmp_path, stdout=file, env=buffered)
             try:
                 heard = Heard(other, "robot/r1/battery")
                 wait_until(lambda: heard.payloads, what="the charge")
